@@ -1,0 +1,50 @@
+"""Cost and error of the Taylor solver by order and tolerance: where `stickslip.crawler.taylor.order_for` comes from.
+
+Run ``python benchmarks/taylor_order.py``. Orders are timed in turn, round after round, so that the machine's drift
+falls on all alike; the median is printed, as a ratio to the cheapest order of the row.
+"""
+
+import time
+
+import numpy as np
+
+from stickslip.crawler import Groups, Scene
+from stickslip.crawler.advance import control_for
+from stickslip.crawler.body import Body, physics
+from stickslip.crawler.simulation import drive
+from stickslip.crawler.taylor import ROWS, WIDTH, order_for
+
+WORD = np.array([1, 1, 1, 1, 0, 0, 0, 0] * 25, np.int8)
+FOOT = 32.03368882790800707974502  # 40-digit arithmetic
+ORDERS = range(6, 25, 2)
+ROUNDS = 31
+
+
+def main() -> None:
+    """Print the table."""
+    coefficients = physics(Groups(), Scene())
+    rest = Body(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)
+    samples, events, series = np.empty((5, len(WORD))), np.empty((0, 2)), np.empty((ROWS, WIDTH))
+    print("relative cost (error of the foot after 200 time units); * marks the order chosen")
+    for tolerance in (1e-3, 1e-6, 1e-9, 1e-12, 1e-15):
+        seconds: dict[int, list[float]] = {order: [] for order in ORDERS}
+        error = {}
+        for _ in range(ROUNDS):
+            for order in ORDERS:
+                control = control_for(tolerance)._replace(order=order)
+                start = time.perf_counter()
+                drive(rest, coefficients, WORD, 1.0, control, samples, events, series)
+                seconds[order].append(time.perf_counter() - start)
+                error[order] = abs(samples[3, -1] - FOOT)
+        cost = {order: float(np.median(times)) for order, times in seconds.items()}
+        least = min(cost.values())
+        chosen = min(ORDERS, key=lambda order: abs(order - order_for(tolerance)))
+        cells = [
+            f"{order}{'*' if order == chosen else ''}: {cost[order] / least:.2f} ({error[order]:.0e})"
+            for order in ORDERS
+        ]
+        print(f"{tolerance:g}  " + "  ".join(cells))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,21 @@
+"""Physics of the crawler: parameters, equations, solver, events and energy."""
+
+from .actuator import Actuator, Scales
+from .groups import PRESETS, Groups
+from .scene import Scene
+from .simulation import REST, SolverError, State, simulate
+from .trajectory import EVENT, Trajectory
+
+__all__ = [
+    "EVENT",
+    "PRESETS",
+    "REST",
+    "Actuator",
+    "Groups",
+    "Scales",
+    "Scene",
+    "SolverError",
+    "State",
+    "Trajectory",
+    "simulate",
+]

@@ -1,0 +1,319 @@
+"""One crawler, one hold of the valve: the only place where the body's state moves.
+
+The pressure is closed form. Between events z and v are Taylor series; the foot follows from the momentum, on which
+friction alone acts. A step ends at whichever comes first: its error bound, the first descent of an event function
+through zero, or the end of the hold.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .body import BACKWARD, FORWARD, STUCK, Body, Ledger, Physics
+from .polynomial import first_descent, horner, horner_derivative
+from .taylor import FORCE, P, SCRATCH, SQUARE, V, Z, expand, order_for, step_length
+
+__all__ = [
+    "DIVERGED",
+    "FINISHED",
+    "LOG_FULL",
+    "MAX_STEPS",
+    "OUT_OF_STEPS",
+    "Control",
+    "Outcome",
+    "advance",
+    "control_for",
+]
+
+FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
+
+# About a second of work, a thousand times what the default crawler needs for a hold of 100.
+MAX_STEPS = 1_000_000
+_POLISHINGS = 8
+
+
+class Control(NamedTuple):
+    """How accurately, and for how long at most, to integrate one hold."""
+
+    tolerance: float
+    order: int
+    max_steps: int
+    energy: bool  # whether to keep the ledger
+    log: bool  # whether to write down the events
+
+
+class Outcome(NamedTuple):
+    """What one hold came to."""
+
+    status: int  # FINISHED, DIVERGED, OUT_OF_STEPS or LOG_FULL
+    elapsed: float  # time into the hold that was reached
+    logged: int  # events written
+    body: Body
+    ledger: Ledger
+
+
+def control_for(
+    tolerance: float, *, energy: bool = False, log: bool = False, max_steps: int = MAX_STEPS
+) -> Control:
+    """Settings that integrate to `tolerance`, with the order that makes it cheapest."""
+    return Control(tolerance, order_for(tolerance), max_steps, energy, log)
+
+
+@njit(cache=True, nogil=True)
+def advance(
+    body: Body,
+    ledger: Ledger,
+    physics: Physics,
+    valve: float,
+    hold: float,
+    control: Control,
+    start: float,
+    samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    series: NDArray[np.float64],
+) -> Outcome:
+    """Advance one crawler by one hold of the valve.
+
+    Parameters
+    ----------
+    body, ledger : Body, Ledger
+        State and energies at the start of the hold.
+    physics : Physics
+    valve : float
+        0 or 1, constant over the hold.
+    hold : float
+        Length of the hold, natural time.
+    control : Control
+    start : float
+        Time at which the hold begins; only the events' times depend on it.
+    samples : (5, S) array
+        Receives z, v, p, x, w at the times hold (j + 1) / S.
+    events : (capacity, 2) array
+        Receives the time and the new motion of each event if `control.log`. Where it is too short the outcome says
+        LOG_FULL, and the hold is to be done again from its start with a longer one.
+    series : (ROWS, WIDTH) array
+        Scratch.
+
+    Returns
+    -------
+    Outcome
+    """
+    count = samples.shape[1]
+    done = 0
+    logged = 0
+    elapsed = 0.0
+    opening_pressure = body.pressure
+    for _ in range(control.max_steps):
+        expand(body, physics, valve, control.order, series)
+        length = step_length(control.order, control.tolerance, series)
+        if not length > 0.0:
+            return Outcome(DIVERGED, elapsed, logged, body, ledger)
+        length = min(length, hold - elapsed)
+        length, motion = _next_event(body, physics, valve, control.order, length, series)
+
+        # The last step ends on the hold itself, so that no sample is lost to the rounding of a sum.
+        last = motion == body.motion and length >= hold - elapsed
+        reached = hold if last else elapsed + length
+        while done < count:
+            moment = hold * ((done + 1) / count)
+            if moment > reached:
+                break
+            pressure = valve + (opening_pressure - valve) * math.exp(-moment * physics.lag_rate)
+            sampled = _at(body, physics, pressure, control.order, min(moment - elapsed, length), series)
+            samples[0, done] = sampled.deformation
+            samples[1, done] = sampled.velocity
+            samples[2, done] = sampled.pressure
+            samples[3, done] = sampled.foot
+            samples[4, done] = sampled.foot_velocity
+            done += 1
+
+        pressure = valve + (opening_pressure - valve) * math.exp(-reached * physics.lag_rate)
+        following = _at(body, physics, pressure, control.order, length, series)
+        if not math.isfinite(following.deformation + following.velocity + following.foot):
+            return Outcome(DIVERGED, elapsed, logged, body, ledger)
+        if control.energy:
+            ledger = _account(ledger, body, following, physics, control.order, length, series)
+        elapsed = reached
+        if motion != body.motion:
+            following = _change_motion(following, motion)
+            if control.log:
+                if logged == events.shape[0]:
+                    return Outcome(LOG_FULL, elapsed, logged, body, ledger)
+                events[logged, 0] = start + elapsed
+                events[logged, 1] = motion
+                logged += 1
+        body = following
+        if last:
+            return Outcome(FINISHED, hold, logged, body, ledger)
+    return Outcome(OUT_OF_STEPS, elapsed, logged, body, ledger)
+
+
+@njit(cache=True, nogil=True)
+def _at(
+    body: Body, physics: Physics, pressure: float, order: int, t: float, series: NDArray[np.float64]
+) -> Body:
+    """State a time `t` into the step; the foot by momentum."""
+    z = horner(series[Z], order + 1, t)
+    v = horner(series[V], order + 1, t)
+    foot = body.foot
+    foot_velocity = 0.0
+    if body.motion != STUCK:
+        drag = body.motion * physics.kinetic_friction
+        payload = physics.payload_fraction
+        momentum = body.foot_velocity + payload * body.velocity
+        foot += (momentum - 0.5 * drag * t) * t - payload * (z - body.deformation)
+        foot_velocity = momentum - drag * t - payload * v
+    return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)
+
+
+@njit(cache=True, nogil=True)
+def _change_motion(body: Body, motion: int) -> Body:
+    """The state just after the foot breaks loose or stops."""
+    slips = body.slips if motion == STUCK else body.slips + 1
+    return Body(body.deformation, body.velocity, body.pressure, body.foot, 0.0, motion, slips)
+
+
+@njit(cache=True, nogil=True)
+def _next_event(
+    body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
+) -> tuple[float, int]:
+    """Where the step ends, at most at `length`, and the motion that follows."""
+    if physics.anchored:
+        return length, body.motion
+    stuck = body.motion == STUCK
+    moment = np.inf
+    motion = body.motion
+    for direction in (FORWARD, BACKWARD):
+        if stuck:
+            if direction == BACKWARD and physics.ratchet:
+                continue
+            degree = _grip(direction, physics, order, series)
+        else:
+            if direction != body.motion:
+                continue
+            degree = _slide(body, physics, order, series)
+        descent = first_descent(series[SCRATCH], degree, length)
+        if stuck and 0.0 < descent <= length:
+            descent = _polish(descent, direction, body, physics, valve, order, length, series)
+        if descent < moment:
+            moment = descent
+            motion = direction if stuck else STUCK
+    if moment > length:
+        return length, body.motion
+    if not (stuck or physics.ratchet):
+        # A foot that comes to rest under too great a push turns round at once.
+        push = body.motion * horner(series[FORCE], order, moment)
+        if push > physics.static_friction:
+            motion = -body.motion
+    return moment, motion
+
+
+@njit(cache=True, nogil=True)
+def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
+    """Write the margin s + F (forward) or s - F by which the resting foot holds; return its degree."""
+    margin = series[SCRATCH]
+    for n in range(order + 1):
+        margin[n] = direction * series[FORCE, n]
+    margin[0] += physics.static_friction
+    return order
+
+
+@njit(cache=True, nogil=True)
+def _slide(body: Body, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
+    """Write the sliding foot's speed, from the momentum; return its degree."""
+    speed = series[SCRATCH]
+    direction = body.motion
+    speed[0] = direction * body.foot_velocity
+    for n in range(1, order + 1):
+        speed[n] = -direction * physics.payload_fraction * series[V, n]
+    speed[1] -= physics.kinetic_friction
+    if speed[0] != 0.0:
+        return order
+    # A slip begins at rest: that root is divided out. The pull is then at least static friction, which rounding
+    # could hide where the two frictions are equal.
+    for n in range(order):
+        speed[n] = speed[n + 1]
+    surplus = (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction
+    speed[0] = max(speed[0], surplus)
+    return order - 1
+
+
+@njit(cache=True, nogil=True)
+def _polish(
+    moment: float,
+    direction: int,
+    body: Body,
+    physics: Physics,
+    valve: float,
+    order: int,
+    length: float,
+    series: NDArray[np.float64],
+) -> float:
+    """Move a break-loose from where the force's series says to where the force at the state says.
+
+    The series is truncated and the next step starts from the state: where both frictions are equal the foot must not
+    find itself, by the difference, below the threshold it has just passed.
+    """
+    for _ in range(_POLISHINGS):
+        z = horner(series[Z], order + 1, moment)
+        v = horner(series[V], order + 1, moment)
+        p = valve + (body.pressure - valve) * math.exp(-moment * physics.lag_rate)
+        force = (
+            p * (1.0 + physics.radial_coupling * z)
+            - z * (1.0 + physics.duffing * z * z)
+            - physics.damping * v
+        )
+        slope = horner_derivative(series[SCRATCH], order, moment)
+        if slope >= 0.0:
+            break
+        change = (direction * force + physics.static_friction) / slope
+        moment = min(max(moment - change, 0.0), length)
+        if abs(change) <= 2.0 * np.finfo(np.float64).eps * moment:
+            break
+    return moment
+
+
+@njit(cache=True, nogil=True)
+def _account(
+    ledger: Ledger,
+    before: Body,
+    after: Body,
+    physics: Physics,
+    order: int,
+    length: float,
+    series: NDArray[np.float64],
+) -> Ledger:
+    """Add one step's energies.
+
+    The pressure does W = int p dq with q = z + Pi5 z^2 / 2, taken by parts so that one product of series serves:
+    W = [p q] - int p' q dt (equation S28).
+    """
+    z, v, p, square = series[Z], series[V], series[P], series[SQUARE]
+    stretch = series[SCRATCH]
+    half = 0.5 * physics.radial_coupling
+    for n in range(order):
+        stretch[n] = z[n] + half * square[n]
+    by_parts = 0.0
+    viscous = 0.0
+    power = length
+    for n in range(order):
+        release = 0.0
+        heat = 0.0
+        for i in range(n + 1):
+            release += (i + 1) * p[i + 1] * stretch[n - i]
+            heat += v[i] * v[n - i]
+        weight = power / (n + 1)
+        by_parts += release * weight
+        viscous += heat * weight
+        power *= length
+    entered = before.pressure * (before.deformation + half * before.deformation**2)
+    left = after.pressure * (after.deformation + half * after.deformation**2)
+    slid = abs(after.foot - before.foot)
+    return Ledger(
+        ledger.work + (left - entered - by_parts),
+        ledger.viscous + physics.damping * viscous,
+        ledger.friction + physics.kinetic_friction * slid,
+    )

@@ -1,0 +1,61 @@
+"""The compiled solver's view of a crawler: plain tuples in, plain tuples out."""
+
+from typing import NamedTuple
+
+from .groups import Groups
+from .scene import Scene
+
+__all__ = ["BACKWARD", "FORWARD", "STUCK", "Body", "Ledger", "Physics", "physics"]
+
+STUCK, FORWARD, BACKWARD = 0, 1, -1
+
+
+class Body(NamedTuple):
+    """State of one crawler at one instant, in natural units."""
+
+    deformation: float
+    velocity: float
+    pressure: float
+    foot: float
+    foot_velocity: float
+    motion: int  # STUCK, FORWARD or BACKWARD
+    slips: int  # transitions into sliding so far
+
+
+class Ledger(NamedTuple):
+    """Energy that has passed through one crawler so far, in units of P_max A_0 z_c."""
+
+    work: float  # done by the pressure
+    viscous: float  # lost in the elastomer
+    friction: float  # lost under the foot
+
+
+class Physics(NamedTuple):
+    """Coefficients of one crawler's equations of motion, each computed once from its groups and scene."""
+
+    duffing: float
+    damping: float
+    lag_rate: float
+    radial_coupling: float
+    payload_fraction: float
+    foot_fraction: float
+    static_friction: float
+    kinetic_friction: float
+    anchored: bool
+    ratchet: bool
+
+
+def physics(groups: Groups, scene: Scene) -> Physics:
+    """Coefficients of the equations of motion in section 2 of the design, from `groups` and `scene`."""
+    return Physics(
+        duffing=groups.duffing,
+        damping=2.0 * groups.damping_ratio,
+        lag_rate=1.0 / groups.deborah,
+        radial_coupling=groups.radial_coupling,
+        payload_fraction=1.0 - groups.foot_mass_fraction,
+        foot_fraction=groups.foot_mass_fraction,
+        static_friction=groups.static_friction,
+        kinetic_friction=groups.kinetic_friction,
+        anchored=scene.anchored,
+        ratchet=scene.ratchet,
+    )

@@ -1,0 +1,127 @@
+"""The seven dimensionless groups that fix a crawler, and named choices of them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+__all__ = ["PRESETS", "Groups"]
+
+_RANGES = {
+    "duffing": "[0, inf)",
+    "damping_ratio": "[0, inf)",
+    "deborah": "(0, inf)",
+    "radial_coupling": "[0, inf)",
+    "foot_mass_fraction": "(0, 1)",
+    "static_friction": "[0, inf)",
+    "kinetic_friction": "[0, static_friction]",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Groups:
+    """Dimensionless groups of the crawler.
+
+    Lengths are measured in z_c = P_max A_0 / k_1, times in t_c = sqrt(M / k_1) with M = m_p + m_f, and forces
+    in P_max A_0 (equations 3 to 6 of the paper), which makes Pi3 = 1.
+
+    Parameters
+    ----------
+    duffing : float, in [0, inf)
+        Pi1 = k_3 z_c^2 / k_1, cubic against linear stiffness.
+    damping_ratio : float, in [0, inf)
+        Pi2 = b / (2 sqrt(M k_1)), viscous loss in the elastomer.
+    deborah : float, in (0, inf)
+        Pi4 = tau / t_c, lag of the fluid against the period of the body.
+    radial_coupling : float, in [0, inf)
+        Pi5 = alpha z_c, growth of the pressurised area with stretch.
+    foot_mass_fraction : float, in (0, 1)
+        r = m_f / M.
+    static_friction : float, in [0, inf)
+        s = mu_s m_f g / (P_max A_0), pull at which the foot breaks loose.
+    kinetic_friction : float, in [0, static_friction]
+        k = mu_k m_f g / (P_max A_0), drag on the sliding foot. Above `static_friction` the foot would
+        chatter for ever.
+
+    Raises
+    ------
+    ValueError
+        If a group is not finite or outside its range; the message names the group, its value and the range.
+    TypeError
+        If a group is not a real number.
+    """
+
+    duffing: float = 0.5
+    damping_ratio: float = 0.05
+    deborah: float = 0.5
+    radial_coupling: float = 0.2
+    foot_mass_fraction: float = 0.3
+    static_friction: float = 0.3
+    kinetic_friction: float = 0.2
+
+    def __post_init__(self) -> None:
+        for name, allowed in _RANGES.items():
+            given = getattr(self, name)
+            try:
+                value = float(given)
+            except (TypeError, ValueError):
+                raise TypeError(f"{name} must be a number in {allowed}, got {given!r}") from None
+            upper = {"foot_mass_fraction": 1.0, "kinetic_friction": self.static_friction}.get(name, math.inf)
+            above = value > 0 if allowed.startswith("(") else value >= 0
+            below = value < upper if allowed.endswith(")") else value <= upper
+            if not (math.isfinite(value) and above and below):
+                if name == "kinetic_friction":
+                    allowed = f"[0, static_friction = {self.static_friction!r}]"
+                raise ValueError(f"{name} must be in {allowed}, got {given!r}")
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def of(cls, choice: "Groups | str | Mapping[str, Any] | None") -> "Groups":
+        """Groups from a preset's name, a mapping of some of the fields, or groups themselves.
+
+        Parameters
+        ----------
+        choice : Groups, str, mapping or None
+            None gives the defaults; a mapping changes the defaults it names.
+
+        Returns
+        -------
+        Groups
+
+        Raises
+        ------
+        ValueError
+            If the preset or a field is unknown, or a value is out of range.
+        TypeError
+            If `choice` is none of the above.
+        """
+        if choice is None:
+            return cls()
+        if isinstance(choice, cls):
+            return choice
+        if isinstance(choice, str):
+            if choice not in PRESETS:
+                raise ValueError(f"groups must be one of the presets {sorted(PRESETS)}, got {choice!r}")
+            return PRESETS[choice]
+        if isinstance(choice, Mapping):
+            known = [field.name for field in fields(cls)]
+            for name in choice:
+                if name not in known:
+                    raise ValueError(f"groups has no field {name!r}; allowed are {known}")
+            return cls(**choice)
+        raise TypeError(f"groups must be Groups, a preset's name or a mapping of fields, got {choice!r}")
+
+    def to_dict(self) -> dict[str, float]:
+        """Fields by name, ready for JSON."""
+        return asdict(self)
+
+
+PRESETS: dict[str, Groups] = {
+    "ecoflex-00-30": Groups(),
+    "linear": Groups(duffing=0.0, radial_coupling=0.0),
+    "high-damping": Groups(damping_ratio=0.5),
+    "aggressive-forcing": Groups(duffing=5.0, radial_coupling=0.5),
+    "extreme-fluid-lag": Groups(deborah=5.0),
+}
+"""Named groups. The first equals :meth:`Actuator.ecoflex` made dimensionless; the last three are this
+package's numbers for the paper's three named conditions, for which it states none."""

@@ -1,0 +1,318 @@
+"""The body driven by a sequence of valve states."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from .advance import DIVERGED, FINISHED, LOG_FULL, Control, Outcome, advance, control_for
+from .body import BACKWARD, FORWARD, STUCK, Body, Ledger, Physics, physics
+from .groups import Groups
+from .scene import Scene
+from .taylor import ROWS, WIDTH
+from .trajectory import EVENT, Trajectory
+
+__all__ = ["REST", "SolverError", "State", "check_hold", "check_tolerance", "simulate", "solver_error"]
+
+_SOLVERS = ("auto", "taylor")
+_TOLERANCES = (1e-15, 1e-2)
+
+
+class State(NamedTuple):
+    """Where a simulation begins, in natural units; at rest by default."""
+
+    deformation: float = 0.0
+    velocity: float = 0.0
+    pressure: float = 0.0
+    foot: float = 0.0
+    foot_velocity: float = 0.0
+
+
+REST = State()
+
+
+class SolverError(RuntimeError):
+    """The motion diverged or the solver ran out of steps; the message says where, why and what to change."""
+
+
+def simulate(
+    groups: Groups | Sequence[Groups],
+    valve: ArrayLike,
+    hold: float,
+    *,
+    scene: Scene | None = None,
+    tolerance: float = 1e-9,
+    solver: str = "auto",
+    samples_per_hold: int = 1,
+    initial: State | None = None,
+) -> Trajectory:
+    """Drive one crawler, or a batch, by a sequence of valve states.
+
+    Parameters
+    ----------
+    groups : Groups or sequence of Groups
+        One for all, or one a row of the batch.
+    valve : (holds,) or (batch, holds) array of 0 and 1
+        One schedule for all, or one a row of the batch.
+    hold : float, in (0, inf)
+        Time that the valve keeps each state, natural units.
+    scene : Scene, optional
+        On the ground with a ratcheted foot by default.
+    tolerance : float, in [1e-15, 1e-2]
+        Largest term neglected from the acceleration's Taylor series in a step, natural units.
+    solver : {"auto", "taylor"}
+        "auto" takes the cheapest that meets the tolerance.
+    samples_per_hold : int, >= 1
+        Equally spaced in each hold, the last at its end.
+    initial : State, optional
+        At rest by default; the same for the whole batch.
+
+    Returns
+    -------
+    Trajectory
+        Arrays (holds * samples_per_hold,), or (batch, holds * samples_per_hold) where groups or valve is a batch.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of its range or of the wrong type; the message names it.
+    SolverError
+        If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or a hold needs more than a million steps.
+    """
+    scene = Scene.of(scene)
+    hold = check_hold(hold)
+    tolerance = check_tolerance(tolerance)
+    if solver not in _SOLVERS:
+        raise ValueError(f"solver must be one of {list(_SOLVERS)}, got {solver!r}")
+    if isinstance(samples_per_hold, bool) or not isinstance(samples_per_hold, int | np.integer):
+        raise TypeError(f"samples_per_hold must be a whole number >= 1, got {samples_per_hold!r}")
+    if samples_per_hold < 1:
+        raise ValueError(f"samples_per_hold must be a whole number >= 1, got {samples_per_hold!r}")
+    crawlers, schedule, single = _batch(groups, valve)
+    body = _start(REST if initial is None else initial, scene)
+    control = control_for(tolerance, energy=True, log=True)
+
+    batch, holds = schedule.shape
+    samples = np.empty((batch, 5, holds * samples_per_hold))
+    finals: list[Body] = []
+    ledgers: list[Ledger] = []
+    logs: list[NDArray[np.void]] = []
+    for member, groups_of in enumerate(crawlers):
+        outcome, finished, events = _run(
+            body, physics(groups_of, scene), schedule[member], hold, control, samples[member]
+        )
+        if outcome.status != FINISHED:
+            raise solver_error(outcome, finished * hold, groups_of, tolerance)
+        finals.append(outcome.body)
+        ledgers.append(outcome.ledger)
+        log = np.empty(len(events), EVENT)
+        log["time"], log["motion"], log["crawler"] = events[:, 0], events[:, 1], member
+        logs.append(log)
+
+    fractions = np.arange(1, samples_per_hold + 1) / samples_per_hold
+    energies = np.array(
+        [_stored(after, g) - _stored(body, g) for after, g in zip(finals, crawlers, strict=True)]
+    )
+    work, viscous, friction = np.array(ledgers).reshape(batch, 3).T
+    slips = np.array([after.slips for after in finals], dtype=np.int64)
+
+    def shaped(values: NDArray[Any]) -> Any:
+        return values[0] if single else values
+
+    return Trajectory(
+        time=(np.arange(holds)[:, None] + fractions).ravel() * hold,
+        deformation=shaped(samples[:, 0]),
+        velocity=shaped(samples[:, 1]),
+        pressure=shaped(samples[:, 2]),
+        foot=shaped(samples[:, 3]),
+        foot_velocity=shaped(samples[:, 4]),
+        valve=shaped(schedule),
+        slips=int(slips[0]) if single else slips,
+        events=np.concatenate(logs),
+        work=shaped(work),
+        stored=shaped(energies),
+        viscous_loss=shaped(viscous),
+        friction_loss=shaped(friction),
+        hold=hold,
+        model="anchored, taylor" if scene.anchored else "on the ground, taylor",
+    )
+
+
+def _run(
+    body: Body,
+    coefficients: Physics,
+    schedule: NDArray[np.int8],
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+) -> tuple[Outcome, int, NDArray[np.float64]]:
+    """Advance one crawler through its schedule: the outcome, the holds finished, and the events."""
+    series = np.empty((ROWS, WIDTH))
+    capacity = 64 + 4 * len(schedule)
+    while True:
+        events = np.empty((capacity, 2))
+        outcome, finished = drive(body, coefficients, schedule, hold, control, samples, events, series)
+        if outcome.status != LOG_FULL:
+            return outcome, finished, events[: outcome.logged]
+        capacity *= 2
+
+
+@njit(cache=True, nogil=True)
+def drive(
+    body: Body,
+    coefficients: Physics,
+    schedule: NDArray[np.int8],
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    series: NDArray[np.float64],
+) -> tuple[Outcome, int]:
+    """Advance one crawler through its schedule.
+
+    Parameters
+    ----------
+    body : Body
+    coefficients : Physics
+    schedule : (holds,) array of int8
+    hold : float
+    control : Control
+    samples : (5, holds * samples_per_hold) array
+        Receives z, v, p, x, w.
+    events : (capacity, 2) array
+        Receives times and new motions.
+    series : (ROWS, WIDTH) array
+        Scratch.
+
+    Returns
+    -------
+    outcome : Outcome
+        Of the last hold begun, with the number of events of all.
+    finished : int
+        Holds completed.
+    """
+    each = samples.shape[1] // len(schedule)
+    ledger = Ledger(0.0, 0.0, 0.0)
+    logged = 0
+    for k in range(len(schedule)):
+        outcome = advance(
+            body,
+            ledger,
+            coefficients,
+            float(schedule[k]),
+            hold,
+            control,
+            k * hold,
+            samples[:, k * each : (k + 1) * each],
+            events[logged:],
+            series,
+        )
+        body = outcome.body
+        ledger = outcome.ledger
+        logged += outcome.logged
+        if outcome.status != FINISHED:
+            return Outcome(outcome.status, outcome.elapsed, logged, body, ledger), k
+    return Outcome(FINISHED, hold, logged, body, ledger), len(schedule)
+
+
+def solver_error(outcome: Outcome, start: float, groups: Groups, tolerance: float) -> SolverError:
+    """The exception that tells what an unfinished outcome means.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        Whose status is not FINISHED.
+    start : float
+        Time at which its hold began.
+    groups : Groups
+    tolerance : float
+    """
+    where = f"at time {start + outcome.elapsed:.6g} (z = {outcome.body.deformation:.6g})"
+    if outcome.status == DIVERGED:
+        return SolverError(
+            f"the motion diverged {where}: nothing bounds the stretch of {groups}; "
+            "a body with radial_coupling > 1 needs duffing > 0"
+        )
+    return SolverError(
+        f"the step budget of one hold was spent {where} with {groups} at tolerance {tolerance:g}; "
+        "take a shorter hold, a looser tolerance or less stiff groups"
+    )
+
+
+def check_hold(hold: float) -> float:
+    """`hold` as a float, or an error that names it."""
+    try:
+        value = float(hold)
+    except (TypeError, ValueError):
+        raise TypeError(f"hold must be a number in (0, inf), got {hold!r}") from None
+    if not (math.isfinite(value) and value > 0):
+        raise ValueError(f"hold must be in (0, inf), got {hold!r}")
+    return value
+
+
+def check_tolerance(tolerance: float) -> float:
+    """`tolerance` as a float, or an error that names it."""
+    least, most = _TOLERANCES
+    try:
+        value = float(tolerance)
+    except (TypeError, ValueError):
+        raise TypeError(f"tolerance must be a number in [{least:g}, {most:g}], got {tolerance!r}") from None
+    if not least <= value <= most:
+        raise ValueError(f"tolerance must be in [{least:g}, {most:g}], got {tolerance!r}")
+    return value
+
+
+def _batch(
+    groups: Groups | Sequence[Groups], valve: ArrayLike
+) -> tuple[list[Groups], NDArray[np.int8], bool]:
+    """Groups and schedules row by row, and whether there is one crawler only."""
+    given = np.asarray(valve)
+    if given.ndim not in (1, 2) or given.size == 0:
+        raise ValueError(
+            f"valve must have shape (holds,) or (batch, holds) and not be empty, got {given.shape}"
+        )
+    if given.dtype.kind not in "biuf" or not np.isin(given, (0, 1)).all():
+        raise ValueError(f"valve must hold only 0 and 1, got {given!r}")
+    schedule = given.astype(np.int8)
+    single = isinstance(groups, Groups)
+    crawlers = [groups] if isinstance(groups, Groups) else list(groups)
+    if not crawlers or not all(isinstance(member, Groups) for member in crawlers):
+        raise TypeError(f"groups must be Groups or a sequence of them, got {groups!r}")
+    if schedule.ndim == 1:
+        return crawlers, np.broadcast_to(schedule, (len(crawlers), len(schedule))).copy(), single
+    if single:
+        return crawlers * len(schedule), schedule, False
+    if len(crawlers) != len(schedule):
+        raise ValueError(f"groups and valve must have as many rows, got {len(crawlers)} and {len(schedule)}")
+    return crawlers, schedule, False
+
+
+def _start(initial: State, scene: Scene) -> Body:
+    """The solver's state for the user's."""
+    state = State(*(float(value) for value in initial))
+    for name, value in state._asdict().items():
+        if not math.isfinite(value):
+            raise ValueError(f"initial {name} must be finite, got {value!r}")
+    if not 0.0 <= state.pressure <= 1.0:
+        raise ValueError(f"initial pressure must be in [0, 1], got {state.pressure!r}")
+    slowest = 0.0 if scene.ratchet or scene.anchored else -math.inf
+    fastest = 0.0 if scene.anchored else math.inf
+    if not slowest <= state.foot_velocity <= fastest:
+        raise ValueError(
+            f"initial foot_velocity must be in [{slowest:g}, {fastest:g}] in {scene}, got {state.foot_velocity!r}"
+        )
+    motion = STUCK
+    if state.foot_velocity != 0.0:
+        motion = FORWARD if state.foot_velocity > 0.0 else BACKWARD
+    return Body(*state, motion, 0)
+
+
+def _stored(body: Body, groups: Groups) -> float:
+    """Kinetic and elastic energy, in units of P_max A_0 z_c."""
+    r = groups.foot_mass_fraction
+    kinetic = 0.5 * r * body.foot_velocity**2 + 0.5 * (1.0 - r) * (body.foot_velocity + body.velocity) ** 2
+    elastic = 0.5 * body.deformation**2 + 0.25 * groups.duffing * body.deformation**4
+    return kinetic + elastic

@@ -1,0 +1,141 @@
+"""What a simulation returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .actuator import Actuator
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["EVENT", "Trajectory"]
+
+EVENT = np.dtype([("time", np.float64), ("motion", np.int8), ("crawler", np.int64)])
+"""One change of the foot's motion: its time, the motion that begins (0 sticks, 1 slides forward, -1 backward), and
+the crawler's place in the batch (0 for one)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Sampled motion of one crawler, or of a batch.
+
+    Sample j of hold k is taken at (k + (j + 1) / samples_per_hold) * hold: the last sample of a hold is its end, and
+    the initial state is not among the samples. Natural units (z_c, t_c, P_max A_0), or SI after :meth:`in_si`.
+
+    Attributes
+    ----------
+    time : (samples,) array
+        Shared by the batch.
+    deformation, velocity : (..., samples) arrays
+        z = X_p - X_f - L_0 and its rate.
+    pressure : (..., samples) array
+        In [0, 1], or pascal.
+    foot, foot_velocity : (..., samples) arrays
+        Position of the foot from its start, and its rate.
+    valve : (..., holds) array of int8
+        The input that was applied.
+    slips : int or (...) array of int
+        How often the foot broke loose.
+    events : (events,) structured array of dtype :data:`EVENT`
+        Every change of motion, crawler by crawler in order of time.
+    work : float or (...) array
+        Done by the pressure, int P dV (equation S28).
+    stored : float or (...) array
+        Growth of kinetic and elastic energy.
+    viscous_loss, friction_loss : float or (...) array
+        Dissipated in the elastomer and under the foot.
+    hold : float
+    model : str
+        What was integrated, and by which solver.
+    """
+
+    time: NDArray[np.float64]
+    deformation: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    pressure: NDArray[np.float64]
+    foot: NDArray[np.float64]
+    foot_velocity: NDArray[np.float64]
+    valve: NDArray[np.int8]
+    slips: Any
+    events: NDArray[np.void]
+    work: Any
+    stored: Any
+    viscous_loss: Any
+    friction_loss: Any
+    hold: float
+    model: str
+    actuator: Actuator | None = None
+
+    @property
+    def payload(self) -> NDArray[np.float64]:
+        """Displacement of the payload X_p from its start at rest, shape (..., samples)."""
+        return self.foot + self.deformation
+
+    @property
+    def dissipation(self) -> Any:
+        """Energy lost in the elastomer and under the foot, float or shape (...)."""
+        return self.viscous_loss + self.friction_loss
+
+    @property
+    def energy_residual(self) -> Any:
+        """Work less stored less dissipated energy: zero but for the solver's error, float or shape (...)."""
+        return self.work - self.stored - self.dissipation
+
+    def in_si(self, actuator: Actuator) -> Trajectory:
+        """The same motion in metres, seconds, pascals and joules.
+
+        Parameters
+        ----------
+        actuator : Actuator
+            Whose scales to use; its groups should be those that were simulated.
+
+        Returns
+        -------
+        Trajectory
+
+        Raises
+        ------
+        ValueError
+            If the trajectory is in SI already.
+        """
+        if self.actuator is not None:
+            raise ValueError("trajectory is in SI already; in_si takes one in natural units")
+        scales = actuator.scales
+        factor = {
+            "time": scales.time,
+            "hold": scales.time,
+            "deformation": scales.length,
+            "foot": scales.length,
+            "velocity": scales.length / scales.time,
+            "foot_velocity": scales.length / scales.time,
+            "pressure": scales.pressure,
+            **dict.fromkeys(("work", "stored", "viscous_loss", "friction_loss"), scales.energy),
+        }
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        for name, scale in factor.items():
+            values[name] = values[name] * scale
+        values["events"] = self.events.copy()
+        values["events"]["time"] *= scales.time
+        values["actuator"] = actuator
+        return Trajectory(**values)
+
+    def plot(self) -> Figure:
+        """Foot, payload, valve and pressure against time, as in the paper's Figure 1.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ValueError
+            If the trajectory is a batch.
+        """
+        from .plotting import plot_trajectory  # matplotlib is optional, and slow to import
+
+        return plot_trajectory(self)

@@ -1,0 +1,191 @@
+"""A readout that learns sample by sample: recursive least squares.
+
+After every sample its weights are those of the ridge regression over all samples so far, at the cost of one
+matrix-vector product. Asked for a prediction before it learns the answer, it scores itself on data it has not
+seen: the prequential (predictive sequential) form of a held-out score.
+
+The compiled functions hold the arithmetic; they work in place and allocate nothing, so that other compiled
+code can call them at every step. `RecursiveLeastSquares` is the same for everybody else.
+
+References
+----------
+S. Haykin, "Adaptive Filter Theory", 5th ed., 2014, chapter 10.
+A. P. Dawid, "Statistical theory: the prequential approach", J. R. Stat. Soc. A 147, 278, 1984.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from .validation import finite_array, number_within, whole_number
+
+Array = NDArray[np.float64]
+
+
+@njit(cache=True)
+def predict(weights: Array, features: Array, prediction: Array) -> None:
+    """Write ``weights @ features`` into `prediction`.
+
+    Parameters
+    ----------
+    weights : ndarray of shape (outputs, features)
+    features : ndarray of shape (features,)
+    prediction : ndarray of shape (outputs,)
+        Overwritten.
+    """
+    for output in range(weights.shape[0]):
+        total = 0.0
+        for i in range(features.size):
+            total += weights[output, i] * features[i]
+        prediction[output] = total
+
+
+@njit(cache=True)
+def predict_then_learn(
+    weights: Array,
+    covariance: Array,
+    features: Array,
+    targets: Array,
+    forgetting: float,
+    prediction: Array,
+    gain: Array,
+) -> None:
+    """Predict the targets from the features, then learn them, in place.
+
+    With features x, targets y, forgetting f and covariance P::
+
+        g = P x / (f + x^T P x),   W <- W + (y - W x) g^T,   P <- (P - g (P x)^T) / f
+
+    Only one triangle of P is computed and the other copied from it, so it stays symmetric to the last digit:
+    its slow loss of symmetry is what makes textbook implementations blow up.
+
+    Parameters
+    ----------
+    weights : ndarray of shape (outputs, features)
+        Updated. Start from zeros.
+    covariance : ndarray of shape (features, features)
+        Updated. Start from the identity over the ridge penalty.
+    features : ndarray of shape (features,)
+    targets : ndarray of shape (outputs,)
+    forgetting : float, in (0, 1]
+        Factor by which a sample's influence shrinks with each later one.
+    prediction : ndarray of shape (outputs,)
+        Overwritten with the prediction made before learning.
+    gain : ndarray of shape (features,)
+        Scratch.
+    """
+    size = features.size
+    predict(weights, features, prediction)
+    spread = forgetting
+    for i in range(size):
+        total = 0.0
+        for j in range(size):
+            total += covariance[i, j] * features[j]
+        gain[i] = total
+        spread += features[i] * total
+    for output in range(weights.shape[0]):
+        step = (targets[output] - prediction[output]) / spread
+        for i in range(size):
+            weights[output, i] += step * gain[i]
+    for i in range(size):
+        for j in range(i + 1):
+            shrunk = (covariance[i, j] - gain[i] * gain[j] / spread) / forgetting
+            covariance[i, j] = shrunk
+            covariance[j, i] = shrunk
+
+
+class RecursiveLeastSquares:
+    """Linear readout without intercept, learned one sample at a time.
+
+    With ``forgetting=1`` the weights after any number of samples equal those of
+    ``fit_readout(..., ridge=ridge, fit_intercept=False)`` on the same samples.
+
+    Parameters
+    ----------
+    features : int
+        Number of features; append a constant one for an intercept.
+    outputs : int
+        Number of targets learned side by side.
+    ridge : float, in (0, inf)
+        Penalty on the squared weights. Larger learns more cautiously from the first samples.
+    forgetting : float, in (0, 1]
+        Factor by which a sample's influence shrinks with each later one: about 1 / (1 - forgetting) samples
+        count. Below 1 the features must keep varying in every direction, or the covariance grows without end.
+
+    Attributes
+    ----------
+    weights : ndarray of shape (outputs, features)
+    covariance : ndarray of shape (features, features)
+        Inverse of the (forgotten) sum of squared features plus the ridge penalty.
+
+    Raises
+    ------
+    TypeError
+        If a size is not an integer.
+    ValueError
+        If an argument is out of range.
+    """
+
+    def __init__(self, features: int, outputs: int, *, ridge: float = 1.0, forgetting: float = 1.0) -> None:
+        features = whole_number("features", features, 1)
+        outputs = whole_number("outputs", outputs, 1)
+        self.forgetting = number_within("forgetting", forgetting, "(0, 1]")
+        self.weights = np.zeros((outputs, features))
+        self.covariance = np.eye(features) / number_within("ridge", ridge, "(0, inf)")
+        self._gain = np.empty(features)
+
+    def predict(self, features: ArrayLike) -> Array:
+        """Predict the targets.
+
+        Parameters
+        ----------
+        features : array_like of shape (features,)
+
+        Returns
+        -------
+        ndarray of shape (outputs,)
+
+        Raises
+        ------
+        ValueError
+            If `features` has another shape or is not finite.
+        """
+        return self.weights @ _vector("features", features, self.weights.shape[1])
+
+    def learn(self, features: ArrayLike, targets: ArrayLike) -> Array:
+        """Learn one sample, and return what was predicted for it before.
+
+        Parameters
+        ----------
+        features : array_like of shape (features,)
+        targets : array_like of shape (outputs,)
+
+        Returns
+        -------
+        ndarray of shape (outputs,)
+            The prediction made before `targets` was learned.
+
+        Raises
+        ------
+        ValueError
+            If an array has another shape or is not finite; nothing is learned then.
+        """
+        outputs, size = self.weights.shape
+        prediction = np.empty(outputs)
+        predict_then_learn(
+            self.weights,
+            self.covariance,
+            _vector("features", features, size),
+            _vector("targets", targets, outputs),
+            self.forgetting,
+            prediction,
+            self._gain,
+        )
+        return prediction
+
+
+def _vector(name: str, value: ArrayLike, size: int) -> Array:
+    vector = finite_array(name, value, 1)
+    if vector.size != size:
+        raise ValueError(f"{name} must have shape ({size},), got {vector.shape}")
+    return vector

@@ -1,0 +1,100 @@
+"""Arguments checked, and refused in one sentence: the name, what is allowed, and what was given."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def finite_array(name: str, value: ArrayLike, ndim: int | tuple[int, ...]) -> NDArray[np.float64]:
+    """Convert to a float array of the given number of dimensions, without a NaN or an infinity.
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls the argument.
+    value : array_like
+        What the caller was given.
+    ndim : int or tuple of int
+        The numbers of dimensions allowed.
+
+    Returns
+    -------
+    ndarray of float64
+
+    Raises
+    ------
+    ValueError
+        If `value` has another number of dimensions, is empty, or is not finite everywhere.
+    """
+    array = np.asarray(value, dtype=np.float64)
+    allowed = (ndim,) if isinstance(ndim, int) else ndim
+    if array.ndim not in allowed or array.size == 0:
+        wanted = " or ".join(f"{n}-dimensional" for n in allowed)
+        raise ValueError(f"{name} must be {wanted} and not empty, got shape {array.shape}")
+    if not np.isfinite(array).all():
+        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"{name} must be finite, got {array[index]} at index {index}")
+    return array
+
+
+def whole_number(name: str, value: Any, minimum: int) -> int:
+    """Convert to an int that is at least `minimum`.
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls the argument.
+    value : int or numpy integer
+        What the caller was given; a bool or a float is refused even where it is whole.
+    minimum : int
+        The least value allowed.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    TypeError
+        If `value` is not an integer.
+    ValueError
+        If `value` is below `minimum`.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise TypeError(f"{name} must be a whole number >= {minimum}, got {value!r}")
+    if value < minimum:
+        raise ValueError(f"{name} must be a whole number >= {minimum}, got {value!r}")
+    return int(value)
+
+
+def number_within(name: str, value: Any, interval: str) -> float:
+    """Convert to a float inside an interval.
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls the argument.
+    value : float
+        What the caller was given.
+    interval : str
+        The values allowed in the usual notation, such as ``"(0, 1]"`` or ``"[0, inf)"``.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    TypeError
+        If `value` is not a real number.
+    ValueError
+        If `value` lies outside `interval` (a NaN lies outside all).
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        raise TypeError(f"{name} must be a number in {interval}, got {value!r}")
+    low, high = (float(end) for end in interval[1:-1].split(","))
+    allowed_end = (value == low and interval[0] == "[") or (value == high and interval[-1] == "]")
+    if not (low < value < high or allowed_end):
+        raise ValueError(f"{name} must be in {interval}, got {value!r}")
+    return float(value)

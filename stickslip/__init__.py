@@ -1,0 +1,39 @@
+"""The Gymnasium environment for a body that computes.
+
+Importing this package registers its environments and nothing else: the compiled solver, scikit-learn, torch and
+matplotlib are imported by the parts that use them. The names below are imported on first use.
+"""
+
+from importlib import import_module
+from typing import Any
+
+from gymnasium.envs.registration import register
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Actuator": "stickslip.crawler",
+    "Groups": "stickslip.crawler",
+    "Scene": "stickslip.crawler",
+    "Trajectory": "stickslip.crawler",
+    "simulate": "stickslip.crawler",
+    "memory_capacity": "stickslip.reservoir",
+}
+
+__all__ = ["Actuator", "Groups", "Scene", "Trajectory", "__version__", "memory_capacity", "simulate"]  # noqa: F822
+
+register(
+    id="StickSlipCrawler-v0",
+    entry_point="stickslip.envs:StickSlipCrawlerEnv",
+    max_episode_steps=1000,
+)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
+    return getattr(import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

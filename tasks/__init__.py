@@ -1,0 +1,27 @@
+"""Input streams, targets, and the benchmark that runs them on the crawler and its baselines."""
+
+from .benchmark import TASKS, Score, Summary, run_benchmark, summarize, table
+from .figures import plot_memory_profile
+from .narma import narma2, narma10
+from .parity import parity
+from .reservoirs import RESERVOIRS, crawler_and_baselines, crawler_states
+from .streams import dithered, innovation, random_bits
+
+__all__ = [
+    "RESERVOIRS",
+    "TASKS",
+    "Score",
+    "Summary",
+    "crawler_and_baselines",
+    "crawler_states",
+    "dithered",
+    "innovation",
+    "narma2",
+    "narma10",
+    "parity",
+    "plot_memory_profile",
+    "random_bits",
+    "run_benchmark",
+    "summarize",
+    "table",
+]

@@ -1,0 +1,83 @@
+"""What drives what: reservoirs as functions from a stream of bits to states, one row a bit."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..crawler import Groups, Scene, simulate
+from ..reservoir import EchoStateNetwork, delay_line
+from .streams import bits
+
+Reservoir = Callable[[NDArray[np.int64], int], NDArray[np.float64]]
+"""Takes bits (length,) and a seed for what in it is random; gives states (length, features)."""
+
+
+def crawler_states(
+    valve: ArrayLike,
+    *,
+    groups: Groups | str | Mapping[str, Any] | None = None,
+    hold: float = 0.5,
+    virtual_nodes: int = 4,
+    scene: Scene | None = None,
+    tolerance: float = 1e-9,
+) -> NDArray[np.float64]:
+    """Drive the crawler from rest and read its body several times a hold.
+
+    Parameters
+    ----------
+    valve : array_like of shape (holds,)
+        Of 0 and 1.
+    groups : Groups, str, mapping or None
+        As in `Groups.of`; the default crawler if None.
+    hold : float, in (0, inf)
+        Time that the valve keeps each state, natural units.
+    virtual_nodes : int, at least 1
+        Readings a hold, equally spaced, the last at its end.
+    scene : Scene, optional
+        On the ground with a ratcheted foot by default.
+    tolerance : float
+        As in `simulate`.
+
+    Returns
+    -------
+    ndarray of shape (holds, 3 * virtual_nodes)
+        Row k is read while hold k lasts, so it has absorbed ``valve[k]``. The deformations come first, then the
+        velocities, then the pressures, each in order of time.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is invalid.
+    """
+    valve = bits("valve", valve)
+    motion = simulate(
+        Groups.of(groups), valve, hold, scene=scene, tolerance=tolerance, samples_per_hold=virtual_nodes
+    )
+    readings = np.stack([motion.deformation, motion.velocity, motion.pressure])
+    return readings.reshape(3, len(valve), virtual_nodes).swapaxes(0, 1).reshape(len(valve), -1)
+
+
+def crawler_and_baselines(**crawler: Any) -> dict[str, Reservoir]:
+    """Put a crawler beside a delay line and an echo-state network that have as many features.
+
+    Parameters
+    ----------
+    **crawler
+        Keyword arguments of `crawler_states`.
+
+    Returns
+    -------
+    dict of str to Reservoir
+    """
+    features = 3 * crawler.get("virtual_nodes", 4)
+    return {
+        "crawler": lambda stream, _: crawler_states(stream, **crawler),
+        "delay line": lambda stream, _: delay_line(stream, features),
+        "echo-state network": lambda stream, seed: EchoStateNetwork(features, seed=seed).states(stream),
+    }
+
+
+RESERVOIRS = crawler_and_baselines()
+"""The reservoirs known by name. Add your own."""

@@ -1,0 +1,111 @@
+"""Input streams: what the valve does, and what of it is news."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..reservoir.validation import number_within, whole_number
+
+
+def random_bits(length: int, seed: int) -> NDArray[np.int64]:
+    """Draw independent fair bits, the standard input of memory benchmarks.
+
+    Parameters
+    ----------
+    length : int, at least 1
+    seed : int, at least 0
+
+    Returns
+    -------
+    ndarray of shape (length,)
+        Of 0 and 1.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not such an integer.
+    """
+    length = whole_number("length", length, 1)
+    return np.random.default_rng(whole_number("seed", seed, 0)).integers(0, 2, length)
+
+
+def dithered(command: ArrayLike, dither: float, seed: int) -> NDArray[np.int64]:
+    """Flip each bit of a command with a probability.
+
+    Parameters
+    ----------
+    command : array_like of shape (holds,)
+        Of 0 and 1: the valve states a policy or a schedule asks for.
+    dither : float, in [0, 1/2]
+        Probability of a flip. At 1/2 the valve ignores the command.
+    seed : int, at least 0
+
+    Returns
+    -------
+    ndarray of shape (holds,)
+        Of 0 and 1: the valve states that are applied.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is invalid.
+    """
+    command = bits("command", command)
+    random = np.random.default_rng(whole_number("seed", seed, 0))
+    return command ^ (random.random(len(command)) < number_within("dither", dither, "[0, 0.5]"))
+
+
+def innovation(valve: ArrayLike, command: ArrayLike, dither: float) -> NDArray[np.float64]:
+    """Subtract from the valve what the command told of it, which leaves the message to be remembered.
+
+    ``e = u - E[u | a] = u - ((1 - dither) a + dither (1 - a))``: zero mean, variance dither (1 - dither), and
+    independent from step to step whatever the command. At ``dither=1/2`` it is ``u - 1/2``.
+
+    Parameters
+    ----------
+    valve, command : array_like of shape (holds,)
+        Of 0 and 1: the valve states applied, and asked for.
+    dither : float, in (0, 1/2]
+        Probability with which they differ. Without dither there is no message.
+
+    Returns
+    -------
+    ndarray of shape (holds,)
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is invalid.
+    """
+    valve, command = bits("valve", valve), bits("command", command)
+    if len(valve) != len(command):
+        raise ValueError(f"valve must have as many holds as command, {len(command)}, got {len(valve)}")
+    dither = number_within("dither", dither, "(0, 0.5]")
+    return valve - np.where(command == 1, 1 - dither, dither)
+
+
+def bits(name: str, value: ArrayLike) -> NDArray[np.int64]:
+    """Convert to an integer array of 0 and 1.
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls the argument.
+    value : array_like of shape (length,)
+        What the caller was given.
+
+    Returns
+    -------
+    ndarray of shape (length,)
+
+    Raises
+    ------
+    ValueError
+        If `value` is not a non-empty vector of 0 and 1.
+    """
+    array = np.asarray(value)
+    if array.ndim != 1 or array.size == 0:
+        raise ValueError(f"{name} must be 1-dimensional and not empty, got shape {array.shape}")
+    wrong = ~np.isin(array, (0, 1))
+    if wrong.any():
+        raise ValueError(f"{name} must be 0 or 1, got {array[wrong][0]} at index {np.argmax(wrong)}")
+    return array.astype(np.int64)

@@ -1,0 +1,77 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from stickslip.reservoir import RecursiveLeastSquares, fit_readout
+
+
+def stream(samples, features, outputs, seed=0):
+    rng = np.random.default_rng(seed)
+    return rng.normal(size=(samples, features)), rng.normal(size=(samples, outputs))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(1, 8), st.integers(1, 4), st.floats(1e-2, 1e2), st.integers(0, 2**32 - 1))
+def test_after_any_prefix_it_is_the_batch_ridge_solution(features, outputs, ridge, seed):
+    x, y = stream(40, features, outputs, seed)
+    readout = RecursiveLeastSquares(features, outputs, ridge=ridge)
+    for k in range(40):
+        readout.learn(x[k], y[k])
+        batch = fit_readout(x[: k + 1], y[: k + 1], ridge=ridge, fit_intercept=False)
+        np.testing.assert_allclose(readout.weights, np.atleast_2d(batch.coef_), rtol=0, atol=1e-9)
+
+
+def test_forgetting_weighs_samples_geometrically():
+    x, y = stream(50, 3, 2)
+    readout = RecursiveLeastSquares(3, 2, ridge=0.5, forgetting=0.9)
+    for row, target in zip(x, y, strict=True):
+        readout.learn(row, target)
+    weight = 0.9 ** np.arange(49, -1, -1)
+    gram = (x * weight[:, None]).T @ x + 0.5 * 0.9**50 * np.eye(3)
+    np.testing.assert_allclose(
+        readout.weights, np.linalg.solve(gram, (x * weight[:, None]).T @ y).T, rtol=0, atol=1e-9
+    )
+
+
+def test_it_predicts_before_it_learns():
+    x, y = stream(10, 3, 2)
+    readout = RecursiveLeastSquares(3, 2)
+    for row, target in zip(x, y, strict=True):
+        before = readout.predict(row)
+        np.testing.assert_allclose(readout.learn(row, target), before, atol=1e-14)
+        assert np.abs(readout.predict(row) - target).sum() < np.abs(before - target).sum()
+
+
+def test_the_covariance_stays_symmetric_and_positive_over_a_long_collinear_stream():
+    rng = np.random.default_rng(5)
+    x = rng.normal(size=(20_000, 1)) + 1e-4 * rng.normal(size=(20_000, 6))
+    readout = RecursiveLeastSquares(6, 1, ridge=1e-3, forgetting=0.999)
+    for row in x:
+        readout.learn(row, row[:1])
+    np.testing.assert_array_equal(readout.covariance, readout.covariance.T)
+    assert np.linalg.eigvalsh(readout.covariance)[0] > 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"features": 0}, ValueError, "features must be a whole number >= 1, got 0"),
+        ({"outputs": 1.0}, TypeError, "outputs must be a whole number >= 1, got 1.0"),
+        ({"ridge": 0}, ValueError, r"ridge must be in \(0, inf\), got 0"),
+        ({"ridge": "1"}, TypeError, r"ridge must be a number in \(0, inf\), got '1'"),
+        ({"forgetting": 1.1}, ValueError, r"forgetting must be in \(0, 1\], got 1.1"),
+        ({"forgetting": np.nan}, ValueError, r"forgetting must be in \(0, 1\], got nan"),
+    ],
+)
+def test_bad_arguments(arguments, error, message):
+    with pytest.raises(error, match=message):
+        RecursiveLeastSquares(**{"features": 2, "outputs": 1, **arguments})
+
+
+def test_a_bad_sample_is_refused_and_not_learned():
+    readout = RecursiveLeastSquares(2, 1)
+    with pytest.raises(ValueError, match=r"features must have shape \(2,\), got \(3,\)"):
+        readout.predict([1.0, 2.0, 3.0])
+    with pytest.raises(ValueError, match=r"targets must be finite, got nan at index \(0,\)"):
+        readout.learn([1.0, 2.0], [np.nan])
+    assert not readout.weights.any()

@@ -1,0 +1,75 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from stickslip.reservoir import fit_readout, predict_held_out
+
+
+@pytest.fixture
+def data():
+    rng = np.random.default_rng(0)
+    return rng.normal(size=(60, 5)) + 0.3, rng.normal(size=(60, 3))
+
+
+@pytest.mark.parametrize("ridge", [1e-6, 0.1, 10.0])
+def test_without_intercept_it_is_equation_11(data, ridge):
+    states, targets = data
+    R, Y = states.T, targets.T
+    expected = Y @ R.T @ np.linalg.inv(R @ R.T + ridge * np.eye(5))
+    readout = fit_readout(states, targets, ridge=ridge, fit_intercept=False)
+    np.testing.assert_allclose(readout.coef_, expected, rtol=1e-10)
+    assert not np.any(readout.intercept_)
+
+
+def test_the_intercept_is_not_penalized(data):
+    states, targets = data
+    shifted = fit_readout(states, targets + 1e3, ridge=10.0)
+    np.testing.assert_allclose(shifted.coef_, fit_readout(states, targets, ridge=10.0).coef_, atol=1e-10)
+
+
+def test_collinear_states_keep_their_digits():
+    """The normal equations would see a condition number of 1e18 here and lose the answer."""
+    rng = np.random.default_rng(1)
+    common, small = rng.normal(size=(2, 500))
+    states = np.column_stack([common, common + 1e-9 * small])
+    readout = fit_readout(states, small, ridge=0, fit_intercept=False)
+    assert np.abs(readout.predict(states) - small).max() < 1e-5
+
+
+def test_the_held_out_part_is_the_end_and_is_not_learned(data):
+    states, targets = data
+    prediction, target = predict_held_out(states, targets, holdout=0.25)
+    np.testing.assert_array_equal(target, targets[45:])
+    poisoned = targets.copy()
+    poisoned[45:] = 1e6
+    np.testing.assert_array_equal(predict_held_out(states, poisoned, holdout=0.25)[0], prediction)
+
+
+def test_importing_the_package_leaves_scikit_learn_out():
+    code = "import sys, stickslip.reservoir, stickslip.tasks; sys.exit('sklearn' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"states": np.zeros(60)}, r"states must be 2-dimensional and not empty, got shape \(60,\)"),
+        ({"targets": np.zeros((59, 1))}, "targets must have as many samples as states, 60, got 59"),
+        ({"targets": np.full(60, np.nan)}, r"targets must be finite, got nan at index \(0,\)"),
+        ({"ridge": -1.0}, r"ridge must be in \[0, inf\), got -1.0"),
+        ({"ridge": np.inf}, r"ridge must be in \[0, inf\), got inf"),
+    ],
+)
+def test_bad_input(data, change, message):
+    with pytest.raises(ValueError, match=message):
+        fit_readout(**{"states": data[0], "targets": data[1], **change})
+
+
+def test_fewer_training_samples_than_features(data):
+    states, targets = data
+    predict_held_out(states[:10], targets[:10])
+    with pytest.raises(
+        ValueError, match=r"states must have at least 10 samples for 5 features and holdout=0.5, got 9"
+    ):
+        predict_held_out(states[:9], targets[:9])
