@@ -12,7 +12,7 @@ from stickslip.crawler import Groups, Scene
 from stickslip.crawler.advance import control_for
 from stickslip.crawler.body import Body, physics
 from stickslip.crawler.simulation import drive
-from stickslip.crawler.taylor import ROWS, WIDTH, order_for
+from stickslip.crawler.taylor import order_for, ROWS, WIDTH
 
 WORD = np.array([1, 1, 1, 1, 0, 0, 0, 0] * 25, np.int8)
 FOOT = 32.03368882790800707974502  # 40-digit arithmetic

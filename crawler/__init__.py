@@ -1,9 +1,9 @@
 """Physics of the crawler: parameters, equations, solver, events and energy."""
 
 from .actuator import Actuator, Scales
-from .groups import PRESETS, Groups
+from .groups import Groups, PRESETS
 from .scene import Scene
-from .simulation import REST, SolverError, State, simulate
+from .simulation import REST, simulate, SolverError, State
 from .trajectory import EVENT, Trajectory
 
 __all__ = [

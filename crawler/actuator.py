@@ -152,9 +152,7 @@ class Actuator:
         for name, value in {"density": density, "payload_mass": payload_mass, "foot_mass": foot_mass}.items():
             _check(name, value, positive=False)
         if inner_radius >= outer_radius:
-            raise ValueError(
-                f"inner_radius must be in (0, outer_radius = {outer_radius!r}), got {inner_radius!r}"
-            )
+            raise ValueError(f"inner_radius must be in (0, outer_radius = {outer_radius!r}), got {inner_radius!r}")
         wall_area = math.pi * (outer_radius**2 - inner_radius**2)
         tube_mass = density * wall_area * length
         return cls(

@@ -12,9 +12,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .body import BACKWARD, FORWARD, STUCK, Body, Ledger, Physics
+from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
 from .polynomial import first_descent, horner, horner_derivative
-from .taylor import FORCE, P, SCRATCH, SQUARE, V, Z, expand, order_for, step_length
+from .taylor import expand, FORCE, order_for, P, SCRATCH, SQUARE, step_length, V, Z
 
 __all__ = [
     "DIVERGED",
@@ -55,9 +55,7 @@ class Outcome(NamedTuple):
     ledger: Ledger
 
 
-def control_for(
-    tolerance: float, *, energy: bool = False, log: bool = False, max_steps: int = MAX_STEPS
-) -> Control:
+def control_for(tolerance: float, *, energy: bool = False, log: bool = False, max_steps: int = MAX_STEPS) -> Control:
     """Settings that integrate to `tolerance`, with the order that makes it cheapest."""
     return Control(tolerance, order_for(tolerance), max_steps, energy, log)
 
@@ -152,9 +150,7 @@ def advance(
 
 
 @njit(cache=True, nogil=True)
-def _at(
-    body: Body, physics: Physics, pressure: float, order: int, t: float, series: NDArray[np.float64]
-) -> Body:
+def _at(body: Body, physics: Physics, pressure: float, order: int, t: float, series: NDArray[np.float64]) -> Body:
     """State a time `t` into the step; the foot by momentum."""
     z = horner(series[Z], order + 1, t)
     v = horner(series[V], order + 1, t)
@@ -261,11 +257,7 @@ def _polish(
         z = horner(series[Z], order + 1, moment)
         v = horner(series[V], order + 1, moment)
         p = valve + (body.pressure - valve) * math.exp(-moment * physics.lag_rate)
-        force = (
-            p * (1.0 + physics.radial_coupling * z)
-            - z * (1.0 + physics.duffing * z * z)
-            - physics.damping * v
-        )
+        force = p * (1.0 + physics.radial_coupling * z) - z * (1.0 + physics.duffing * z * z) - physics.damping * v
         slope = horner_derivative(series[SCRATCH], order, moment)
         if slope >= 0.0:
             break

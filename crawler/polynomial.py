@@ -142,9 +142,7 @@ def _isolate(unit: NDArray[np.float64], degree: int, noise: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _bracketed_root(
-    coefficients: NDArray[np.float64], degree: int, noise: float, low: float, high: float
-) -> float:
+def _bracketed_root(coefficients: NDArray[np.float64], degree: int, noise: float, low: float, high: float) -> float:
     """Where the polynomial passes `-noise`, once, between `low` and `high`: Newton kept inside the bracket."""
     above = horner(coefficients, degree, low) + noise
     below = horner(coefficients, degree, high) + noise

@@ -8,8 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from .advance import DIVERGED, FINISHED, LOG_FULL, Control, Outcome, advance, control_for
-from .body import BACKWARD, FORWARD, STUCK, Body, Ledger, Physics, physics
+from .advance import advance, Control, control_for, DIVERGED, FINISHED, LOG_FULL, Outcome
+from .body import BACKWARD, Body, FORWARD, Ledger, Physics, physics, STUCK
 from .groups import Groups
 from .scene import Scene
 from .taylor import ROWS, WIDTH
@@ -105,7 +105,8 @@ def simulate(
             body, physics(groups_of, scene), schedule[member], hold, control, samples[member]
         )
         if outcome.status != FINISHED:
-            raise solver_error(outcome, finished * hold, groups_of, tolerance)
+            reached = finished * hold + outcome.elapsed
+            raise solver_error(outcome.status, reached, outcome.body.deformation, groups_of, tolerance)
         finals.append(outcome.body)
         ledgers.append(outcome.ledger)
         log = np.empty(len(events), EVENT)
@@ -113,9 +114,7 @@ def simulate(
         logs.append(log)
 
     fractions = np.arange(1, samples_per_hold + 1) / samples_per_hold
-    energies = np.array(
-        [_stored(after, g) - _stored(body, g) for after, g in zip(finals, crawlers, strict=True)]
-    )
+    energies = np.array([_stored(after, g) - _stored(body, g) for after, g in zip(finals, crawlers, strict=True)])
     work, viscous, friction = np.array(ledgers).reshape(batch, 3).T
     slips = np.array([after.slips for after in finals], dtype=np.int64)
 
@@ -218,20 +217,20 @@ def drive(
     return Outcome(FINISHED, hold, logged, body, ledger), len(schedule)
 
 
-def solver_error(outcome: Outcome, start: float, groups: Groups, tolerance: float) -> SolverError:
-    """The exception that tells what an unfinished outcome means.
+def solver_error(status: int, time: float, deformation: float, groups: Groups, tolerance: float) -> SolverError:
+    """The exception that tells what an unfinished hold means.
 
     Parameters
     ----------
-    outcome : Outcome
-        Whose status is not FINISHED.
-    start : float
-        Time at which its hold began.
+    status : int
+        DIVERGED or OUT_OF_STEPS.
+    time, deformation : float
+        How far the motion got.
     groups : Groups
     tolerance : float
     """
-    where = f"at time {start + outcome.elapsed:.6g} (z = {outcome.body.deformation:.6g})"
-    if outcome.status == DIVERGED:
+    where = f"at time {time:.6g} (z = {deformation:.6g})"
+    if status == DIVERGED:
         return SolverError(
             f"the motion diverged {where}: nothing bounds the stretch of {groups}; "
             "a body with radial_coupling > 1 needs duffing > 0"
@@ -265,15 +264,11 @@ def check_tolerance(tolerance: float) -> float:
     return value
 
 
-def _batch(
-    groups: Groups | Sequence[Groups], valve: ArrayLike
-) -> tuple[list[Groups], NDArray[np.int8], bool]:
+def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Groups], NDArray[np.int8], bool]:
     """Groups and schedules row by row, and whether there is one crawler only."""
     given = np.asarray(valve)
     if given.ndim not in (1, 2) or given.size == 0:
-        raise ValueError(
-            f"valve must have shape (holds,) or (batch, holds) and not be empty, got {given.shape}"
-        )
+        raise ValueError(f"valve must have shape (holds,) or (batch, holds) and not be empty, got {given.shape}")
     if given.dtype.kind not in "biuf" or not np.isin(given, (0, 1)).all():
         raise ValueError(f"valve must hold only 0 and 1, got {given!r}")
     schedule = given.astype(np.int8)

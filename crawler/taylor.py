@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .body import STUCK, Body, Physics
+from .body import Body, Physics, STUCK
 from .polynomial import LARGEST_DEGREE
 
 __all__ = ["ROWS", "WIDTH", "expand", "order_for", "step_length"]

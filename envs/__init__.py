@@ -1,1 +1,5 @@
-"""."""
+"""Gymnasium environments of the crawler."""
+
+from .crawler import StickSlipCrawlerEnv
+
+__all__ = ["StickSlipCrawlerEnv"]

@@ -12,7 +12,7 @@ from collections.abc import Callable, Hashable, Sequence
 from functools import cache
 from itertools import pairwise
 from types import ModuleType
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple, TYPE_CHECKING
 
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
@@ -183,9 +183,7 @@ def _import_pygame() -> ModuleType:
     try:
         import pygame
     except ImportError as error:
-        raise DependencyNotInstalled(
-            'pygame is not installed, run `pip install "stickslip[render]"`'
-        ) from error
+        raise DependencyNotInstalled('pygame is not installed, run `pip install "stickslip[render]"`') from error
     return pygame
 
 
@@ -286,9 +284,7 @@ class _Canvas:
         for part in re.findall("_.|[^_]+", text):
             subscript = part.startswith("_")
             font = _font(round(size * SUBSCRIPT_SIZE) if subscript else size)
-            images.append(
-                (font.render(part.removeprefix("_"), True, colour), size * SUBSCRIPT_DROP * subscript)
-            )
+            images.append((font.render(part.removeprefix("_"), True, colour), size * SUBSCRIPT_DROP * subscript))
         left = at[0] - sum(image.get_width() for image, _ in images) / 2 * centred
         for image, drop in images:
             self.surface.blit(image, (round(left), round(at[1] + drop)))
@@ -467,9 +463,7 @@ def _foot(pg: ModuleType, motion: int) -> pygame.Surface:
         if motion:
             pen.line([(root, ground - 12), (root - 13 * motion, ground - 2)], colour, 2.5)
         else:
-            pen.polygon(
-                [(root - 4.5, ground - 14), (root + 4.5, ground - 14), (root - 5, ground + 9)], colour
-            )
+            pen.polygon([(root - 4.5, ground - 14), (root + 4.5, ground - 14), (root - 5, ground + 9)], colour)
     pen.box((middle - 27, ground - 28, 54, 17), colour, 7)
     pen.box((middle - 20, ground - 108, 40, 92), colour, 10)
     if motion:

@@ -2,7 +2,7 @@
 
 from .delay_line import delay_line
 from .echo_state import EchoStateNetwork
-from .memory import MemoryCapacity, memory_capacity
+from .memory import memory_capacity, MemoryCapacity
 from .metrics import nrmse, squared_correlation
 from .recursive_least_squares import RecursiveLeastSquares
 from .ridge import fit_readout, predict_held_out

@@ -1,6 +1,6 @@
 """Linear memory capacity: how much of its past input a reservoir's state still holds."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 
@@ -25,7 +25,8 @@ class MemoryCapacity:
     cutoff : float
         The capacity at or below which a delay cannot be told from chance.
     bound : int
-        Rank of the centred states: no linear readout of them can remember more, whatever the delays.
+        Rank of the centred states. Summed over all delays no linear readout of them can remember more, but for
+        what chance adds in a finite sample.
     """
 
     delays: NDArray[np.int64]
@@ -104,17 +105,17 @@ def memory_capacity(
     .. [2] J. Dambre, D. Verstraeten, B. Schrauwen and S. Massar, "Information processing capacity of
        dynamical systems", Scientific Reports 2, 514, 2012.
     """
-    states = finite_array("states", states, 2)
-    message = finite_array("message", message, 1)
-    samples, features = states.shape
+    x = finite_array("states", states, 2)
+    e = finite_array("message", message, 1)
+    samples, features = x.shape
     lags = _lags(delays)
     washout = whole_number("washout", washout, 0)
     holdout = number_within("holdout", holdout, "(0, 1)")
     significance = number_within("significance", significance, "(0, 0.5)")
-    if len(message) != samples:
-        raise ValueError(f"message must have as many samples as states, {samples}, got {len(message)}")
-    if np.ptp(message) == 0:
-        raise ValueError(f"message must vary, or there is nothing to remember, got {message[0]} throughout")
+    if len(e) != samples:
+        raise ValueError(f"message must have as many samples as states, {samples}, got {len(e)}")
+    if np.ptp(e) == 0:
+        raise ValueError(f"message must vary, or there is nothing to remember, got {e[0]} throughout")
     # The message before the washout is known even though the state is not yet trusted, so the two overlap.
     start = max(washout, int(lags.max()))
     needed = start + samples_needed(features, holdout)
@@ -123,11 +124,9 @@ def memory_capacity(
             f"states must have at least {needed} samples for {features} features, washout={washout}, "
             f"delays up to {lags.max()} and holdout={holdout}, got {samples}"
         )
-    targets = message[np.arange(start, samples)[:, None] - lags]
-    settled = states[start:]
-    prediction, target = predict_held_out(
-        settled, targets, holdout=holdout, ridge=ridge, fit_intercept=fit_intercept
-    )
+    settled = x[start:]
+    delayed = e[np.arange(start, samples)[:, None] - lags]
+    prediction, target = predict_held_out(settled, delayed, holdout=holdout, ridge=ridge, fit_intercept=fit_intercept)
     return MemoryCapacity(
         delays=lags,
         profile=squared_correlation(prediction, target),
@@ -143,7 +142,7 @@ def _centred_rank(states: NDArray[np.float64]) -> int:
 
 
 def _lags(delays: int | Sequence[int]) -> NDArray[np.int64]:
-    if np.ndim(delays) == 0:
+    if not isinstance(delays, Iterable):
         return np.arange(whole_number("delays", delays, 1))
     lags = np.array([whole_number("delays", d, 0) for d in delays], dtype=np.int64)
     if lags.size == 0 or len(np.unique(lags)) < lags.size:

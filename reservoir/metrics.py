@@ -6,18 +6,6 @@ from numpy.typing import ArrayLike, NDArray
 from .validation import finite_array
 
 
-def _pair(
-    prediction: ArrayLike, target: ArrayLike, ndim: int | tuple[int, ...]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    prediction = finite_array("prediction", prediction, ndim)
-    target = finite_array("target", target, ndim)
-    if prediction.shape != target.shape:
-        raise ValueError(f"prediction must have the shape of target, {target.shape}, got {prediction.shape}")
-    if (np.ptp(target, axis=0) == 0).any():
-        raise ValueError(f"target must vary to be scored, got a constant over {len(target)} samples")
-    return prediction, target
-
-
 def nrmse(prediction: ArrayLike, target: ArrayLike) -> float:
     """Root-mean-square error as a fraction of the target's standard deviation.
 
@@ -38,8 +26,8 @@ def nrmse(prediction: ArrayLike, target: ArrayLike) -> float:
     ValueError
         If the shapes differ, a value is not finite, or a target is constant.
     """
-    prediction, target = _pair(prediction, target, 1)
-    return float(np.sqrt(np.mean((prediction - target) ** 2) / np.var(target)))
+    guess, truth = _pair(prediction, target, 1)
+    return float(np.sqrt(np.mean((guess - truth) ** 2) / np.var(truth)))
 
 
 def squared_correlation(prediction: ArrayLike, target: ArrayLike) -> NDArray[np.float64]:
@@ -64,10 +52,22 @@ def squared_correlation(prediction: ArrayLike, target: ArrayLike) -> NDArray[np.
     ValueError
         If the shapes differ, a value is not finite, or a target is constant.
     """
-    prediction, target = _pair(prediction, target, (1, 2))
-    prediction = prediction - prediction.mean(axis=0)
-    target = target - target.mean(axis=0)
-    covariance = np.maximum((prediction * target).sum(axis=0), 0)
-    scale = (prediction**2).sum(axis=0) * (target**2).sum(axis=0)
+    guess, truth = _pair(prediction, target, (1, 2))
+    guess = guess - guess.mean(axis=0)
+    truth = truth - truth.mean(axis=0)
+    covariance = np.maximum((guess * truth).sum(axis=0), 0)
+    scale = (guess**2).sum(axis=0) * (truth**2).sum(axis=0)
     # Rounding can carry a perfect correlation past 1 in the last digit.
     return np.minimum(np.divide(covariance**2, scale, out=np.zeros_like(scale), where=scale > 0), 1)
+
+
+def _pair(
+    prediction: ArrayLike, target: ArrayLike, ndim: int | tuple[int, ...]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    guess = finite_array("prediction", prediction, ndim)
+    truth = finite_array("target", target, ndim)
+    if guess.shape != truth.shape:
+        raise ValueError(f"prediction must have the shape of target, {truth.shape}, got {guess.shape}")
+    if (np.ptp(truth, axis=0) == 0).any():
+        raise ValueError(f"target must vary to be scored, got a constant over {len(truth)} samples")
+    return guess, truth

@@ -56,8 +56,8 @@ def predict_then_learn(
 
         g = P x / (f + x^T P x),   W <- W + (y - W x) g^T,   P <- (P - g (P x)^T) / f
 
-    Only one triangle of P is computed and the other copied from it, so it stays symmetric to the last digit:
-    its slow loss of symmetry is what makes textbook implementations blow up.
+    Rounding treats P[i, j] and P[j, i] alike, so a P that starts symmetric stays so to the last digit: its slow
+    loss of symmetry is what makes textbook implementations blow up.
 
     Parameters
     ----------
@@ -76,22 +76,23 @@ def predict_then_learn(
     """
     size = features.size
     predict(weights, features, prediction)
+    # Row by row rather than by dot products, since sums over j cannot be vectorized without changing their order.
+    gain[:] = 0.0
+    for i in range(size):
+        for j in range(size):
+            gain[j] += features[i] * covariance[i, j]
     spread = forgetting
     for i in range(size):
-        total = 0.0
-        for j in range(size):
-            total += covariance[i, j] * features[j]
-        gain[i] = total
-        spread += features[i] * total
+        spread += features[i] * gain[i]
+    shrink = 1.0 / spread
     for output in range(weights.shape[0]):
-        step = (targets[output] - prediction[output]) / spread
+        step = (targets[output] - prediction[output]) * shrink
         for i in range(size):
             weights[output, i] += step * gain[i]
+    grow = 1.0 / forgetting
     for i in range(size):
-        for j in range(i + 1):
-            shrunk = (covariance[i, j] - gain[i] * gain[j] / spread) / forgetting
-            covariance[i, j] = shrunk
-            covariance[j, i] = shrunk
+        for j in range(size):
+            covariance[i, j] = (covariance[i, j] - gain[i] * gain[j] * shrink) * grow
 
 
 class RecursiveLeastSquares:

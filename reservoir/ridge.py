@@ -14,9 +14,7 @@ if TYPE_CHECKING:
     from sklearn.linear_model import Ridge
 
 
-def fit_readout(
-    states: ArrayLike, targets: ArrayLike, *, ridge: float = 1e-6, fit_intercept: bool = True
-) -> Ridge:
+def fit_readout(states: ArrayLike, targets: ArrayLike, *, ridge: float = 1e-6, fit_intercept: bool = True) -> Ridge:
     """Fit one readout for all targets in a single solve.
 
     Without an intercept this is equation (11) of the paper, with the states R and the targets Y as columns::
@@ -51,12 +49,12 @@ def fit_readout(
     # Imported here because it takes a second, and whoever only steps an environment needs none of it.
     from sklearn.linear_model import Ridge
 
-    states = finite_array("states", states, 2)
-    targets = finite_array("targets", targets, (1, 2))
-    if len(states) != len(targets):
-        raise ValueError(f"targets must have as many samples as states, {len(states)}, got {len(targets)}")
+    x = finite_array("states", states, 2)
+    y = finite_array("targets", targets, (1, 2))
+    if len(x) != len(y):
+        raise ValueError(f"targets must have as many samples as states, {len(x)}, got {len(y)}")
     penalty = number_within("ridge", ridge, "[0, inf)")
-    return Ridge(alpha=penalty, fit_intercept=fit_intercept, solver="svd").fit(states, targets)
+    return Ridge(alpha=penalty, fit_intercept=fit_intercept, solver="svd").fit(x, y)
 
 
 def samples_needed(features: int, holdout: float) -> int:
@@ -109,17 +107,16 @@ def predict_held_out(
     ValueError
         If an argument is invalid, or there are fewer training samples than features.
     """
-    states = finite_array("states", states, 2)
-    targets = finite_array("targets", targets, (1, 2))
+    x = finite_array("states", states, 2)
+    y = finite_array("targets", targets, (1, 2))
     holdout = number_within("holdout", holdout, "(0, 1)")
-    samples, features = states.shape
+    samples, features = x.shape
     needed = samples_needed(features, holdout)
     if samples < needed:
         raise ValueError(
-            f"states must have at least {needed} samples for {features} features and holdout={holdout}, "
-            f"got {samples}"
+            f"states must have at least {needed} samples for {features} features and holdout={holdout}, got {samples}"
         )
     train = math.floor((1 - holdout) * samples)
-    readout = fit_readout(states[:train], targets[:train], ridge=ridge, fit_intercept=fit_intercept)
+    readout = fit_readout(x[:train], y[:train], ridge=ridge, fit_intercept=fit_intercept)
     # scikit-learn drops the axis of a single output.
-    return readout.predict(states[train:]).reshape(targets[train:].shape), targets[train:]
+    return readout.predict(x[train:]).reshape(y[train:].shape), y[train:]

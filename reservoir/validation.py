@@ -24,10 +24,15 @@ def finite_array(name: str, value: ArrayLike, ndim: int | tuple[int, ...]) -> ND
 
     Raises
     ------
+    TypeError
+        If `value` is not an array of real numbers.
     ValueError
         If `value` has another number of dimensions, is empty, or is not finite everywhere.
     """
-    array = np.asarray(value, dtype=np.float64)
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be an array of real numbers, got {value!r}") from None
     allowed = (ndim,) if isinstance(ndim, int) else ndim
     if array.ndim not in allowed or array.size == 0:
         wanted = " or ".join(f"{n}-dimensional" for n in allowed)

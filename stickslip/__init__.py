@@ -20,7 +20,7 @@ _HOME = {
     "memory_capacity": "stickslip.reservoir",
 }
 
-__all__ = ["Actuator", "Groups", "Scene", "Trajectory", "__version__", "memory_capacity", "simulate"]  # noqa: F822
+__all__ = ["Actuator", "Groups", "Scene", "Trajectory", "__version__", "memory_capacity", "simulate"]
 
 register(
     id="StickSlipCrawler-v0",

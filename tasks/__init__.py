@@ -1,10 +1,10 @@
 """Input streams, targets, and the benchmark that runs them on the crawler and its baselines."""
 
-from .benchmark import TASKS, Score, Summary, run_benchmark, summarize, table
+from .benchmark import run_benchmark, Score, summarize, Summary, table, TASKS
 from .figures import plot_memory_profile
 from .narma import narma2, narma10
 from .parity import parity
-from .reservoirs import RESERVOIRS, crawler_and_baselines, crawler_states
+from .reservoirs import crawler_and_baselines, crawler_states, RESERVOIRS
 from .streams import dithered, innovation, random_bits
 
 __all__ = [

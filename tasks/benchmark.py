@@ -5,16 +5,19 @@ from itertools import product
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..reservoir import memory_capacity, nrmse, predict_held_out
+from ..reservoir.validation import whole_number
 from .narma import AMPLITUDE, narma2, narma10
 from .parity import parity
-from .reservoirs import RESERVOIRS, Reservoir
+from .reservoirs import Reservoir, RESERVOIRS
 from .streams import random_bits
 
 DELAYS = 40
 """Delays over which capacities are summed."""
+
+Entry = TypeVar("Entry")
 
 Task = Callable[[NDArray[np.float64], NDArray[np.int64], int], float]
 """Takes states (length, features), the bits (length,) that drove them and the washout; gives a score."""
@@ -22,15 +25,11 @@ Task = Callable[[NDArray[np.float64], NDArray[np.int64], int], float]
 
 def _capacity(order: int) -> Task:
     # The parity of bits a delay ago is the parity stream delayed, so its capacity is a memory capacity.
-    return lambda states, bits, washout: (
-        memory_capacity(states, parity(bits, order), DELAYS, washout=washout).corrected
-    )
+    return lambda states, bits, washout: memory_capacity(states, parity(bits, order), DELAYS, washout=washout).corrected
 
 
-def _narma(target: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> Task:
-    return lambda states, bits, washout: nrmse(
-        *predict_held_out(states[washout:], target(AMPLITUDE * bits)[washout:])
-    )
+def _narma(target: Callable[[ArrayLike], NDArray[np.float64]]) -> Task:
+    return lambda states, bits, washout: nrmse(*predict_held_out(states[washout:], target(AMPLITUDE * bits)[washout:]))
 
 
 TASKS: dict[str, Task] = {
@@ -42,10 +41,11 @@ TASKS: dict[str, Task] = {
 }
 """The tasks known by name, each named with its score. Add your own.
 
-A capacity is the corrected total of `memory_capacity` over delays 0 to ``DELAYS - 1``, for the parity of as many
-consecutive bits as its name says (memory: of one). More is better; all capacities of a reservoir, for all targets
-that are uncorrelated, sum to its number of features at most. Of an NRMSE less is better, and 1 is what the mean
-scores. All are scored on the second half of what the washout leaves, by a readout fitted on the first.
+A capacity is the corrected total of `memory_capacity` over delays 0 to ``DELAYS - 1``, the message being the
+parity of as many consecutive bits as the name says (memory: of one). More is better. These targets are
+uncorrelated, so the capacities of a reservoir sum to its number of features at most. Of an NRMSE less is better,
+and 1 is what the mean scores. All are scored on the second half of what the washout leaves, by a readout fitted
+on the first.
 """
 
 
@@ -99,15 +99,14 @@ def run_benchmark(
     TypeError, ValueError
         If a name is unknown or an argument is invalid.
     """
+    washout = whole_number("washout", washout, 0)
     chosen_tasks = _chosen("tasks", tasks, TASKS)
     chosen_reservoirs = _chosen("reservoirs", reservoirs, RESERVOIRS)
     scores = []
     for seed, (reservoir, drive) in product(seeds, chosen_reservoirs.items()):
         bits = random_bits(length, seed)
         states = drive(bits, seed)
-        scores += [
-            Score(task, reservoir, seed, score(states, bits, washout)) for task, score in chosen_tasks.items()
-        ]
+        scores += [Score(task, reservoir, seed, score(states, bits, washout)) for task, score in chosen_tasks.items()]
     return scores
 
 
@@ -154,9 +153,6 @@ def table(scores: Iterable[Score]) -> list[list[str]]:
 
 def _cell(summary: Summary) -> str:
     return f"{summary.mean:.2f}" + (f" ± {summary.std:.2f}" if summary.seeds > 1 else "")
-
-
-Entry = TypeVar("Entry")
 
 
 def _chosen(

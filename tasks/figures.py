@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Any, cast, TYPE_CHECKING
 
 from ..reservoir import MemoryCapacity
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -56,5 +56,5 @@ def plot_memory_profile(memories: Mapping[str, MemoryCapacity], *, ax: Axes | No
         cutoff = max(memory.cutoff for memory in memories.values())
         ax.axhspan(0, cutoff, color="0.85", lw=0, zorder=0, label="chance")
         ax.set(xlabel="delay (holds)", ylabel=r"memory capacity $MC_d$", ylim=(-0.02, 1.05))
-        ax.legend()
-    return ax.get_figure(root=True)
+        ax.legend(title="corrected total of bound")
+    return cast("Figure", ax.get_figure(root=True))

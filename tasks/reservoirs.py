@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..crawler import Groups, Scene, simulate
-from ..reservoir import EchoStateNetwork, delay_line
+from ..reservoir import delay_line, EchoStateNetwork
+from ..reservoir.validation import whole_number
 from .streams import bits
 
 Reservoir = Callable[[NDArray[np.int64], int], NDArray[np.float64]]
@@ -43,37 +44,43 @@ def crawler_states(
     Returns
     -------
     ndarray of shape (holds, 3 * virtual_nodes)
-        Row k is read while hold k lasts, so it has absorbed ``valve[k]``. The deformations come first, then the
-        velocities, then the pressures, each in order of time.
+        Row k is read during hold k and has absorbed ``valve[k]``. Deformations come first, then
+        velocities, then pressures, each in order of time.
 
     Raises
     ------
     TypeError, ValueError
         If an argument is invalid.
     """
-    valve = bits("valve", valve)
-    motion = simulate(
-        Groups.of(groups), valve, hold, scene=scene, tolerance=tolerance, samples_per_hold=virtual_nodes
-    )
-    readings = np.stack([motion.deformation, motion.velocity, motion.pressure])
-    return readings.reshape(3, len(valve), virtual_nodes).swapaxes(0, 1).reshape(len(valve), -1)
+    u = bits("valve", valve)
+    nodes = whole_number("virtual_nodes", virtual_nodes, 1)
+    motion = simulate(Groups.of(groups), u, hold, scene=scene, tolerance=tolerance, samples_per_hold=nodes)
+    readings = (motion.deformation, motion.velocity, motion.pressure)
+    return np.hstack([reading.reshape(len(u), nodes) for reading in readings])
 
 
-def crawler_and_baselines(**crawler: Any) -> dict[str, Reservoir]:
+def crawler_and_baselines(*, virtual_nodes: int = 4, **crawler: Any) -> dict[str, Reservoir]:
     """Put a crawler beside a delay line and an echo-state network that have as many features.
 
     Parameters
     ----------
+    virtual_nodes : int, at least 1
+        Of the crawler, which makes three times as many features.
     **crawler
-        Keyword arguments of `crawler_states`.
+        The other keyword arguments of `crawler_states`.
 
     Returns
     -------
     dict of str to Reservoir
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `virtual_nodes` is invalid; the other arguments are checked when the crawler is driven.
     """
-    features = 3 * crawler.get("virtual_nodes", 4)
+    features = 3 * whole_number("virtual_nodes", virtual_nodes, 1)
     return {
-        "crawler": lambda stream, _: crawler_states(stream, **crawler),
+        "crawler": lambda stream, _: crawler_states(stream, virtual_nodes=virtual_nodes, **crawler),
         "delay line": lambda stream, _: delay_line(stream, features),
         "echo-state network": lambda stream, seed: EchoStateNetwork(features, seed=seed).states(stream),
     }

@@ -49,16 +49,16 @@ def dithered(command: ArrayLike, dither: float, seed: int) -> NDArray[np.int64]:
     TypeError, ValueError
         If an argument is invalid.
     """
-    command = bits("command", command)
+    a = bits("command", command)
     random = np.random.default_rng(whole_number("seed", seed, 0))
-    return command ^ (random.random(len(command)) < number_within("dither", dither, "[0, 0.5]"))
+    return a ^ (random.random(len(a)) < number_within("dither", dither, "[0, 0.5]"))
 
 
 def innovation(valve: ArrayLike, command: ArrayLike, dither: float) -> NDArray[np.float64]:
     """Subtract from the valve what the command told of it, which leaves the message to be remembered.
 
     ``e = u - E[u | a] = u - ((1 - dither) a + dither (1 - a))``: zero mean, variance dither (1 - dither), and
-    independent from step to step whatever the command. At ``dither=1/2`` it is ``u - 1/2``.
+    uncorrelated with the command and from step to step. At ``dither=1/2`` it is ``u - 1/2``.
 
     Parameters
     ----------
@@ -76,11 +76,12 @@ def innovation(valve: ArrayLike, command: ArrayLike, dither: float) -> NDArray[n
     TypeError, ValueError
         If an argument is invalid.
     """
-    valve, command = bits("valve", valve), bits("command", command)
-    if len(valve) != len(command):
-        raise ValueError(f"valve must have as many holds as command, {len(command)}, got {len(valve)}")
+    u, a = bits("valve", valve), bits("command", command)
+    if len(u) != len(a):
+        raise ValueError(f"valve must have as many holds as command, {len(a)}, got {len(u)}")
     dither = number_within("dither", dither, "(0, 0.5]")
-    return valve - np.where(command == 1, 1 - dither, dither)
+    expected: NDArray[np.float64] = np.where(a == 1, 1 - dither, dither)
+    return u - expected
 
 
 def bits(name: str, value: ArrayLike) -> NDArray[np.int64]:

@@ -19,7 +19,7 @@ __all__ = ["Verdict", "decimal_judge", "judge"]
 STICK, FORWARD, BACKWARD = 0, 1, -1
 _ACCURACY = {"rtol": 1e-12, "atol": 1e-13}
 # Where in a step to look for a change of sign; dense at its start, for slips that end soon after they begin.
-_LOOKS = np.unique(np.concatenate([np.geomspace(1e-9, 1e-2, 15), np.linspace(0.0, 1.0, 25)[1:]]))
+_LOOKS = np.concatenate([np.geomspace(1e-9, 1e-2, 15), np.linspace(0.0, 1.0, 25)[1:-1], [1 - 1e-3, 1 - 1e-6, 1.0]])
 
 
 @dataclass
@@ -127,7 +127,7 @@ def judge(groups, valve, hold, *, scene=None, samples_per_hold=1, initial=None) 
         foot_rate,
         *run.state[4:],
         run.events,
-        min(run.clearance, run.peak) if run.motion != STICK else run.clearance,
+        min([run.clearance, *(abs(gap(opening, run.state)) for gap, _ in run.gaps())]),
     )
 
 
@@ -167,14 +167,15 @@ def _starts(run, pressure):
 def _first_event(run, pressure, solver, before):
     """Time of the first event of the last step and the motion that follows, or (None, None)."""
     dense = solver.dense_output()
-    times = before + _LOOKS * (solver.t - before)
+    looks = before + _LOOKS * (solver.t - before)
     best, following = None, None
     for gap, motion in run.gaps():
 
         def value(t, gap=gap):
             return gap(pressure(t), dense(t))
 
-        values = np.array([value(t) for t in times])
+        times = looks.copy()
+        values = value(times)
         for i in range(1, len(times) - 1):
             # A dip between two looks, if it might reach zero, is looked at closely.
             if values[i] <= values[i - 1] and values[i] <= values[i + 1]:
@@ -230,7 +231,6 @@ def _begin(run, pressure, motion):
             run.clearance = min(run.clearance, abs(push - run.groups.static_friction))
         motion = -run.motion if turns else STICK
     run.state = run.state.copy()
-    run.state[2] -= 0.0
     run.state[3] = 0.0
     run.motion, run.fresh, run.peak = motion, True, 0.0
     run.events.append((run.time, motion))

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
+
 from stickslip.reservoir import delay_line, memory_capacity
 
 

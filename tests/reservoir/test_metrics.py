@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+
 from stickslip.reservoir import nrmse, squared_correlation
 
 SERIES = arrays(float, 12, elements=st.floats(-1e6, 1e6).map(lambda v: round(v, 3)))

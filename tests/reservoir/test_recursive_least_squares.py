@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stickslip.reservoir import RecursiveLeastSquares, fit_readout
+
+from stickslip.reservoir import fit_readout, RecursiveLeastSquares
 
 
 def stream(samples, features, outputs, seed=0):
@@ -28,9 +29,7 @@ def test_forgetting_weighs_samples_geometrically():
         readout.learn(row, target)
     weight = 0.9 ** np.arange(49, -1, -1)
     gram = (x * weight[:, None]).T @ x + 0.5 * 0.9**50 * np.eye(3)
-    np.testing.assert_allclose(
-        readout.weights, np.linalg.solve(gram, (x * weight[:, None]).T @ y).T, rtol=0, atol=1e-9
-    )
+    np.testing.assert_allclose(readout.weights, np.linalg.solve(gram, (x * weight[:, None]).T @ y).T, rtol=0, atol=1e-9)
 
 
 def test_it_predicts_before_it_learns():

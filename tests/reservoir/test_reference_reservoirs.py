@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from stickslip.reservoir import EchoStateNetwork, delay_line, memory_capacity
+
+from stickslip.reservoir import delay_line, EchoStateNetwork, memory_capacity
 
 BITS = np.random.default_rng(0).integers(0, 2, 2000).astype(float)
 

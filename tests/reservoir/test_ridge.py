@@ -3,6 +3,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from stickslip.reservoir import fit_readout, predict_held_out
 
 
@@ -66,10 +67,14 @@ def test_bad_input(data, change, message):
         fit_readout(**{"states": data[0], "targets": data[1], **change})
 
 
+@pytest.mark.parametrize("states", [[[1.0], [2.0, 3.0]], "abc", [[1j]]])
+def test_what_is_not_an_array_of_numbers(states):
+    with pytest.raises(TypeError, match="states must be an array of real numbers, got "):
+        fit_readout(states, [1.0])
+
+
 def test_fewer_training_samples_than_features(data):
     states, targets = data
     predict_held_out(states[:10], targets[:10])
-    with pytest.raises(
-        ValueError, match=r"states must have at least 10 samples for 5 features and holdout=0.5, got 9"
-    ):
+    with pytest.raises(ValueError, match=r"states must have at least 10 samples for 5 features and holdout=0.5, got 9"):
         predict_held_out(states[:9], targets[:9])

@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+
+from stickslip.tasks import dithered, innovation, random_bits
+
+
+def test_random_bits_are_fair_independent_and_repeatable():
+    bits = random_bits(20_000, 3)
+    assert set(bits) == {0, 1}
+    assert abs(bits.mean() - 0.5) < 5 * 0.5 / np.sqrt(20_000)
+    assert abs(np.corrcoef(bits[1:], bits[:-1])[0, 1]) < 5 / np.sqrt(20_000)
+    np.testing.assert_array_equal(bits, random_bits(20_000, 3))
+    assert (bits != random_bits(20_000, 4)).any()
+
+
+@pytest.mark.parametrize("dither", [0.05, 0.1, 0.5])
+def test_the_innovation_is_news(dither):
+    """Zero mean, variance eps (1 - eps), and uncorrelated with a periodic command and with its own past."""
+    command = np.tile([1, 1, 1, 0, 0], 20_000)
+    valve = dithered(command, dither, 0)
+    e = innovation(valve, command, dither)
+    error = 5 / np.sqrt(len(e))
+    assert abs(e.mean()) < error * e.std()
+    assert e.var() == pytest.approx(dither * (1 - dither), abs=error)
+    for shift in range(5):
+        assert abs(np.corrcoef(e, np.roll(command, shift))[0, 1]) < error
+    assert abs(np.corrcoef(e[1:], e[:-1])[0, 1]) < error
+
+
+def test_innovation_by_hand():
+    np.testing.assert_allclose(innovation([1, 0, 1, 0], [1, 1, 0, 0], 0.1), [0.1, -0.9, 0.9, -0.1])
+    np.testing.assert_allclose(innovation([1, 0], [1, 1], 0.5), [0.5, -0.5])
+
+
+def test_without_dither_the_valve_obeys():
+    np.testing.assert_array_equal(dithered([0, 1, 1], 0, 0), [0, 1, 1])
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: random_bits(0, 0), "length must be a whole number >= 1, got 0"),
+        (lambda: random_bits(5, -1), "seed must be a whole number >= 0, got -1"),
+        (lambda: dithered([0, 1], 0.6, 0), r"dither must be in \[0, 0.5\], got 0.6"),
+        (lambda: dithered([0, 2], 0.1, 0), "command must be 0 or 1, got 2 at index 1"),
+        (lambda: innovation([0, 1], [0, 1], 0), r"dither must be in \(0, 0.5\], got 0"),
+        (lambda: innovation([0, 1], [0], 0.1), "valve must have as many holds as command, 1, got 2"),
+        (lambda: innovation([0.5], [0], 0.1), "valve must be 0 or 1, got 0.5 at index 0"),
+        (lambda: innovation([[0, 1]], [0, 1], 0.1), r"valve must be 1-dimensional .* got shape \(1, 2\)"),
+    ],
+)
+def test_bad_input(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
