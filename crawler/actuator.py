@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, fields
 from typing import NamedTuple, Self
 
+from ..validation import number_within, whole_number
 from .groups import Groups
 
 __all__ = ["STANDARD_GRAVITY", "Actuator", "Scales"]
@@ -79,10 +80,11 @@ class Actuator:
 
     def __post_init__(self) -> None:
         positive = {"payload_mass", "foot_mass", "stiffness", "bore_area", "peak_pressure", "lag"}
-        _check_segments(self.segments)
+        whole_number("segments", self.segments, 1)
         for field in fields(self):
             if field.name != "segments":
-                _check(field.name, getattr(self, field.name), positive=field.name in positive)
+                allowed = "(0, inf)" if field.name in positive else "[0, inf)"
+                number_within(field.name, getattr(self, field.name), allowed)
         if self.kinetic_friction > self.static_friction:
             raise ValueError(
                 f"kinetic_friction must be in [0, static_friction = {self.static_friction!r}], "
@@ -148,9 +150,9 @@ class Actuator:
             "inner_radius": inner_radius,
             "length": length,
         }.items():
-            _check(name, value, positive=True)
+            number_within(name, value, "(0, inf)")
         for name, value in {"density": density, "payload_mass": payload_mass, "foot_mass": foot_mass}.items():
-            _check(name, value, positive=False)
+            number_within(name, value, "[0, inf)")
         if inner_radius >= outer_radius:
             raise ValueError(f"inner_radius must be in (0, outer_radius = {outer_radius!r}), got {inner_radius!r}")
         wall_area = math.pi * (outer_radius**2 - inner_radius**2)
@@ -230,20 +232,3 @@ class Actuator:
             static_friction=self.static_friction * weight,
             kinetic_friction=self.kinetic_friction * weight,
         )
-
-
-def _check(name: str, value: float, *, positive: bool) -> None:
-    allowed = "(0, inf)" if positive else "[0, inf)"
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number in {allowed}, got {value!r}") from None
-    if not math.isfinite(number) or number < 0 or (positive and number == 0):
-        raise ValueError(f"{name} must be in {allowed}, got {value!r}")
-
-
-def _check_segments(value: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError(f"segments must be a whole number >= 1, got {value!r}")
-    if value < 1:
-        raise ValueError(f"segments must be a whole number >= 1, got {value!r}")

@@ -1,9 +1,10 @@
 """The seven dimensionless groups that fix a crawler, and named choices of them."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
+
+from ..validation import number_within
 
 __all__ = ["PRESETS", "Groups"]
 
@@ -14,7 +15,7 @@ _RANGES = {
     "radial_coupling": "[0, inf)",
     "foot_mass_fraction": "(0, 1)",
     "static_friction": "[0, inf)",
-    "kinetic_friction": "[0, static_friction]",
+    "kinetic_friction": "[0, inf)",
 }
 
 
@@ -61,19 +62,12 @@ class Groups:
 
     def __post_init__(self) -> None:
         for name, allowed in _RANGES.items():
-            given = getattr(self, name)
-            try:
-                value = float(given)
-            except (TypeError, ValueError):
-                raise TypeError(f"{name} must be a number in {allowed}, got {given!r}") from None
-            upper = {"foot_mass_fraction": 1.0, "kinetic_friction": self.static_friction}.get(name, math.inf)
-            above = value > 0 if allowed.startswith("(") else value >= 0
-            below = value < upper if allowed.endswith(")") else value <= upper
-            if not (math.isfinite(value) and above and below):
-                if name == "kinetic_friction":
-                    allowed = f"[0, static_friction = {self.static_friction!r}]"
-                raise ValueError(f"{name} must be in {allowed}, got {given!r}")
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, number_within(name, getattr(self, name), allowed))
+        if self.kinetic_friction > self.static_friction:
+            raise ValueError(
+                f"kinetic_friction must be in [0, static_friction = {self.static_friction!r}], "
+                f"got {self.kinetic_friction!r}"
+            )
 
     @classmethod
     def of(cls, choice: "Groups | str | Mapping[str, Any] | None") -> "Groups":

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from ..validation import number_within, whole_number
 from .advance import advance, Control, control_for, DIVERGED, FINISHED, LOG_FULL, Outcome
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, physics, STUCK
 from .groups import Groups
@@ -15,10 +16,11 @@ from .scene import Scene
 from .taylor import ROWS, WIDTH
 from .trajectory import EVENT, Trajectory
 
-__all__ = ["REST", "SolverError", "State", "check_hold", "check_tolerance", "simulate", "solver_error"]
+__all__ = ["HOLDS", "REST", "TOLERANCES", "SolverError", "State", "simulate", "solver_error"]
 
 _SOLVERS = ("auto", "taylor")
-_TOLERANCES = (1e-15, 1e-2)
+HOLDS = "(0, inf)"
+TOLERANCES = "[1e-15, 1e-2]"
 
 
 class State(NamedTuple):
@@ -83,14 +85,11 @@ def simulate(
         If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or a hold needs more than a million steps.
     """
     scene = Scene.of(scene)
-    hold = check_hold(hold)
-    tolerance = check_tolerance(tolerance)
+    hold = number_within("hold", hold, HOLDS)
+    tolerance = number_within("tolerance", tolerance, TOLERANCES)
     if solver not in _SOLVERS:
         raise ValueError(f"solver must be one of {list(_SOLVERS)}, got {solver!r}")
-    if isinstance(samples_per_hold, bool) or not isinstance(samples_per_hold, int | np.integer):
-        raise TypeError(f"samples_per_hold must be a whole number >= 1, got {samples_per_hold!r}")
-    if samples_per_hold < 1:
-        raise ValueError(f"samples_per_hold must be a whole number >= 1, got {samples_per_hold!r}")
+    samples_per_hold = whole_number("samples_per_hold", samples_per_hold, 1)
     crawlers, schedule, single = _batch(groups, valve)
     body = _start(REST if initial is None else initial, scene)
     control = control_for(tolerance, energy=True, log=True)
@@ -239,29 +238,6 @@ def solver_error(status: int, time: float, deformation: float, groups: Groups, t
         f"the step budget of one hold was spent {where} with {groups} at tolerance {tolerance:g}; "
         "take a shorter hold, a looser tolerance or less stiff groups"
     )
-
-
-def check_hold(hold: float) -> float:
-    """`hold` as a float, or an error that names it."""
-    try:
-        value = float(hold)
-    except (TypeError, ValueError):
-        raise TypeError(f"hold must be a number in (0, inf), got {hold!r}") from None
-    if not (math.isfinite(value) and value > 0):
-        raise ValueError(f"hold must be in (0, inf), got {hold!r}")
-    return value
-
-
-def check_tolerance(tolerance: float) -> float:
-    """`tolerance` as a float, or an error that names it."""
-    least, most = _TOLERANCES
-    try:
-        value = float(tolerance)
-    except (TypeError, ValueError):
-        raise TypeError(f"tolerance must be a number in [{least:g}, {most:g}], got {tolerance!r}") from None
-    if not least <= value <= most:
-        raise ValueError(f"tolerance must be in [{least:g}, {most:g}], got {tolerance!r}")
-    return value
 
 
 def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Groups], NDArray[np.int8], bool]:

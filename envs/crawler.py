@@ -1,6 +1,5 @@
 """StickSlipCrawler-v0: one crawler, one valve decision a step."""
 
-import math
 import operator
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
@@ -14,9 +13,10 @@ from numpy.typing import NDArray
 from ..crawler import Groups, Scene
 from ..crawler.advance import FINISHED
 from ..crawler.body import STUCK
-from ..crawler.simulation import check_hold, check_tolerance, solver_error
+from ..crawler.simulation import HOLDS, solver_error, TOLERANCES
 from ..crawler.taylor import ROWS, WIDTH
 from ..reservoir.prequential import PrequentialMemory
+from ..validation import number_within, whole_number
 from .rendering import Frame, Renderer
 from .stepping import hold_valve, rest, settings
 
@@ -135,12 +135,12 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
     ) -> None:
         self.groups = Groups.of(groups)
         self.scene = Scene.of(scene)
-        self.hold = check_hold(hold)
-        self.tolerance = check_tolerance(tolerance)
-        self.dither = _number("dither", dither, 0.0, 0.5)
-        self.memory_weight = _number("memory_weight", memory_weight, 0.0, 1.0)
-        self.delays = _count("delays", delays)
-        self.virtual_nodes = _count("virtual_nodes", virtual_nodes)
+        self.hold = number_within("hold", hold, HOLDS)
+        self.tolerance = number_within("tolerance", tolerance, TOLERANCES)
+        self.dither = number_within("dither", dither, "[0, 0.5]")
+        self.memory_weight = number_within("memory_weight", memory_weight, "[0, 1]")
+        self.delays = whole_number("delays", delays, 1)
+        self.virtual_nodes = whole_number("virtual_nodes", virtual_nodes, 1)
         self.randomize = _ranges(randomize, self.groups)
         if self.memory_weight > 0.0 and self.dither == 0.0:
             raise ValueError(
@@ -339,24 +339,6 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
             self.delays,
             variance=self.dither * (1.0 - self.dither),
         )
-
-
-def _number(name: str, value: float, least: float, most: float) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number in [{least:g}, {most:g}], got {value!r}") from None
-    if not (math.isfinite(number) and least <= number <= most):
-        raise ValueError(f"{name} must be in [{least:g}, {most:g}], got {value!r}")
-    return number
-
-
-def _count(name: str, value: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise TypeError(f"{name} must be a whole number >= 1, got {value!r}")
-    if value < 1:
-        raise ValueError(f"{name} must be a whole number >= 1, got {value!r}")
-    return int(value)
 
 
 def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> dict[str, tuple[float, float]]:

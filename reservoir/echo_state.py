@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .validation import finite_array, number_within, whole_number
+from ..validation import finite_array, number_within, whole_number
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..validation import finite_array, number_within, whole_number
 from .metrics import squared_correlation
 from .ridge import predict_held_out, samples_needed
-from .validation import finite_array, number_within, whole_number
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from ..validation import finite_array, whole_number
 from .recursive_least_squares import predict_then_learn
-from .validation import finite_array, whole_number
 
 __all__ = ["PrequentialMemory"]
 

@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from .validation import finite_array, number_within, whole_number
+from ..validation import finite_array, number_within, whole_number
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .validation import finite_array, number_within
+from ..validation import finite_array, number_within
 
 if TYPE_CHECKING:
     from sklearn.linear_model import Ridge

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..reservoir import memory_capacity, nrmse, predict_held_out
-from ..reservoir.validation import whole_number
+from ..validation import whole_number
 from .narma import AMPLITUDE, narma2, narma10
 from .parity import parity
 from .reservoirs import Reservoir, RESERVOIRS

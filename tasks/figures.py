@@ -49,12 +49,12 @@ def plot_memory_profile(memories: Mapping[str, MemoryCapacity], *, ax: Axes | No
         raise ValueError(f"memories must hold 1 to {len(_OKABE_ITO)} curves, got {len(memories)}")
     with plt.rc_context(_STYLE):
         if ax is None:
-            _, ax = plt.subplots(figsize=(4.5, 3.0), layout="constrained")
+            _, ax = plt.subplots(figsize=(6.5, 3.0), layout="constrained")
         for (name, memory), color, marker in zip(memories.items(), _OKABE_ITO, _MARKERS, strict=False):
             label = f"{name}: {memory.corrected:.2f} of {memory.bound}"
             ax.plot(memory.delays, memory.profile, marker, ls="-", lw=1, ms=3.5, color=color, label=label)
         cutoff = max(memory.cutoff for memory in memories.values())
         ax.axhspan(0, cutoff, color="0.85", lw=0, zorder=0, label="chance")
         ax.set(xlabel="delay (holds)", ylabel=r"memory capacity $MC_d$", ylim=(-0.02, 1.05))
-        ax.legend(title="corrected total of bound")
+        ax.legend(title="corrected total of bound", loc="upper left", bbox_to_anchor=(1, 1))
     return cast("Figure", ax.get_figure(root=True))

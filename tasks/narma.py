@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..reservoir.validation import finite_array
+from ..validation import finite_array
 
 AMPLITUDE = 0.2
 """Height of the bits that drive NARMA. At 0.5, the usual bound of a uniform input, bits make NARMA-10 diverge

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..reservoir.delay_line import delay_line
-from ..reservoir.validation import whole_number
+from ..validation import whole_number
 from .streams import bits as as_bits
 
 

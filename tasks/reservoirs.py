@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..crawler import Groups, Scene, simulate
 from ..reservoir import delay_line, EchoStateNetwork
-from ..reservoir.validation import whole_number
+from ..validation import whole_number
 from .streams import bits
 
 Reservoir = Callable[[NDArray[np.int64], int], NDArray[np.float64]]

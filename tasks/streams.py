@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..reservoir.validation import number_within, whole_number
+from ..validation import number_within, whole_number
 
 
 def random_bits(length: int, seed: int) -> NDArray[np.int64]:

@@ -6,7 +6,6 @@ natural units: masses 1 - r and r. `judge` does so with SciPy's DOP853, and inte
 """
 
 from dataclasses import dataclass, field
-from decimal import Decimal, localcontext
 
 import numpy as np
 from scipy.integrate import DOP853, solve_ivp
@@ -215,9 +214,7 @@ def _travel(run, pressure, start, end, state):
     """State at `end` from `state` at `start` in the present motion."""
     if end == start:
         return state.copy()
-    return solve_ivp(
-        lambda t, y: run.rates(pressure(t), y), (start, end), state, method="DOP853", **_ACCURACY
-    ).y[:, -1]
+    return solve_ivp(lambda t, y: run.rates(pressure(t), y), (start, end), state, method="DOP853", **_ACCURACY).y[:, -1]
 
 
 def _begin(run, pressure, motion):

@@ -8,13 +8,12 @@ import sys
 import numpy as np
 import pytest
 from gymnasium.error import DependencyNotInstalled
-from stickslip.envs.rendering import HEIGHT, WIDTH, Frame, Renderer
+
+from stickslip.envs.rendering import Frame, HEIGHT, Renderer, WIDTH
 
 pytest.importorskip("pygame")
 
-FRAME = Frame(
-    time=3.0, deformation=0.4, pressure=0.5, foot=2.0, motion=0, slid=False, valve=0, speed=0.5, memory=0.3
-)
+FRAME = Frame(time=3.0, deformation=0.4, pressure=0.5, foot=2.0, motion=0, slid=False, valve=0, speed=0.5, memory=0.3)
 
 
 def drawn(frame):
@@ -114,9 +113,7 @@ def test_no_value_is_too_wild(value):
 
 
 def test_numpy_scalars_are_drawn_like_numbers():
-    as_numpy = Frame(
-        *(np.float32(value) for value in FRAME[:4]), np.int64(0), np.False_, np.int8(0), 0.5, 0.3
-    )
+    as_numpy = Frame(*(np.float32(value) for value in FRAME[:4]), np.int64(0), np.False_, np.int8(0), 0.5, 0.3)
     np.testing.assert_array_equal(drawn(as_numpy), drawn(FRAME))
 
 

@@ -118,7 +118,7 @@ def test_bad_input(arguments, message):
 def test_bad_crawler_input():
     with pytest.raises(ValueError, match="virtual_nodes must be a whole number >= 1, got 0"):
         crawler_states([0, 1], virtual_nodes=0)
-    with pytest.raises(TypeError, match="virtual_nodes must be a whole number >= 1, got 1.5"):
+    with pytest.raises(TypeError, match=r"virtual_nodes must be a whole number >= 1, got 1\.5"):
         crawler_and_baselines(virtual_nodes=1.5)
     with pytest.raises(ValueError, match=r"valve must be 1-dimensional .* got shape \(2, 2\)"):
         crawler_states([[0, 1], [1, 0]])
