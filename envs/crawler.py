@@ -2,7 +2,7 @@
 
 import operator
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, Literal
 
 import gymnasium as gym
 import numpy as np
@@ -32,7 +32,7 @@ _FOOT = 3  # in the body's array
 _LARGEST = float(np.finfo(np.float32).max)
 
 
-class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
+class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     r"""
     ## Description
 
@@ -117,7 +117,9 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
     * v0: first release.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["human", "rgb_array"], "render_fps": 30}
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 30}  # noqa: RUF012
+
+    render_mode: Literal["human", "rgb_array"] | None
 
     def __init__(
         self,
@@ -131,7 +133,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
         delays: int = 20,
         virtual_nodes: int = 4,
         randomize: Mapping[str, Sequence[float]] | None = None,
-        render_mode: str | None = None,
+        render_mode: Literal["human", "rgb_array"] | None = None,
     ) -> None:
         self.groups = Groups.of(groups)
         self.scene = Scene.of(scene)
@@ -147,7 +149,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
                 f"dither must be in (0, 0.5] where memory_weight = {self.memory_weight!r} > 0, got {dither!r}: "
                 "without flips there is no message to remember"
             )
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+        if render_mode not in (None, "human", "rgb_array"):
             raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
         self.render_mode = render_mode
 
@@ -200,7 +202,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
             self.render()
         return np.zeros(5, np.float32), {"groups": self.episode_groups.to_dict()}
 
-    def step(self, action: int) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+    def step(self, action: int | np.integer) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Hold the valve as commanded, or flipped, for one hold.
 
         Parameters
@@ -270,7 +272,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
         observation = np.array((deformation, velocity, pressure, foot_velocity, valve), np.float32)
         return observation, reward, False, False, info
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """Draw the crawler as it is now.
 
         Returns
@@ -292,7 +294,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
         if self._frame is None:
             raise ResetNeeded("render needs a call of reset first")
         if self._renderer is None:
-            self._renderer = Renderer(self.render_mode, self.metadata["render_fps"])  # type: ignore[arg-type]
+            self._renderer = Renderer(self.render_mode, self.metadata["render_fps"])
         return self._renderer.draw(self._frame)
 
     def close(self) -> None:
@@ -310,7 +312,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], int]):
         return self._flips.pop()
 
     @staticmethod
-    def _command(action: int) -> int:
+    def _command(action: int | np.integer) -> int:
         """`action` as an int; quicker than the space's own test, which costs as much as the physics."""
         try:
             command = operator.index(action)

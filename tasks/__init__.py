@@ -4,7 +4,7 @@ from .benchmark import run_benchmark, Score, summarize, Summary, table, TASKS
 from .figures import plot_memory_profile
 from .narma import narma2, narma10
 from .parity import parity
-from .reservoirs import crawler_and_baselines, crawler_states, RESERVOIRS
+from .reservoirs import body_states, crawler_and_baselines, crawler_states, RESERVOIRS
 from .streams import dithered, innovation, random_bits
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "TASKS",
     "Score",
     "Summary",
+    "body_states",
     "crawler_and_baselines",
     "crawler_states",
     "dithered",

@@ -132,7 +132,7 @@ def summarize(scores: Iterable[Score]) -> dict[tuple[str, str], Summary]:
 
 
 def table(scores: Iterable[Score]) -> list[list[str]]:
-    """Lay scores out as text, a row a reservoir and a column a task, under a row of headings.
+    """Lay scores out as text, a row a task and a column a reservoir, under a row of headings.
 
     Parameters
     ----------
@@ -145,10 +145,10 @@ def table(scores: Iterable[Score]) -> list[list[str]]:
         Cells read "mean ± standard deviation", or "mean" for a single seed.
     """
     summaries = summarize(scores)
-    tasks = list(dict.fromkeys(task for task, _ in summaries))
-    reservoirs = dict.fromkeys(reservoir for _, reservoir in summaries)
-    rows = [[reservoir, *(_cell(summaries[task, reservoir]) for task in tasks)] for reservoir in reservoirs]
-    return [["reservoir", *tasks], *rows]
+    tasks = dict.fromkeys(task for task, _ in summaries)
+    reservoirs = list(dict.fromkeys(reservoir for _, reservoir in summaries))
+    rows = [[task, *(_cell(summaries[task, reservoir]) for reservoir in reservoirs)] for task in tasks]
+    return [["task", *reservoirs], *rows]
 
 
 def _cell(summary: Summary) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..crawler import Groups, Scene, simulate
+from ..crawler import Groups, Scene, simulate, Trajectory
 from ..reservoir import delay_line, EchoStateNetwork
 from ..validation import whole_number
 from .streams import bits
@@ -44,8 +44,7 @@ def crawler_states(
     Returns
     -------
     ndarray of shape (holds, 3 * virtual_nodes)
-        Row k is read during hold k and has absorbed ``valve[k]``. Deformations come first, then
-        velocities, then pressures, each in order of time.
+        Row k is read during hold k and has absorbed ``valve[k]``; columns as in `body_states`.
 
     Raises
     ------
@@ -54,9 +53,24 @@ def crawler_states(
     """
     u = bits("valve", valve)
     nodes = whole_number("virtual_nodes", virtual_nodes, 1)
-    motion = simulate(Groups.of(groups), u, hold, scene=scene, tolerance=tolerance, samples_per_hold=nodes)
+    return body_states(simulate(Groups.of(groups), u, hold, scene=scene, tolerance=tolerance, samples_per_hold=nodes))
+
+
+def body_states(motion: Trajectory) -> NDArray[np.float64]:
+    """Lay the body's motion out as a reservoir's states, one row a hold.
+
+    Parameters
+    ----------
+    motion : Trajectory
+        Of one crawler.
+
+    Returns
+    -------
+    ndarray of shape (holds, 3 * samples_per_hold)
+        Deformations come first, then velocities, then pressures, each in order of time.
+    """
     readings = (motion.deformation, motion.velocity, motion.pressure)
-    return np.hstack([reading.reshape(len(u), nodes) for reading in readings])
+    return np.hstack([reading.reshape(len(motion.valve), -1) for reading in readings])
 
 
 def crawler_and_baselines(*, virtual_nodes: int = 4, **crawler: Any) -> dict[str, Reservoir]:

@@ -4,19 +4,20 @@ Like `judge`, from the four-variable equations (7 to 9): payload and foot each o
 (2). Every variable is a Taylor series by recurrence; events are searched for on a grid and refined by bisection.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from operator import mul
 from types import SimpleNamespace
 
 import numpy as np
+from judge import STICK, Verdict
 
-from stickslip.crawler import Groups, Scene, State
+from stickslip.crawler import REST, Scene
 
-__all__ = ["ExactRun", "as_written", "decimal_judge"]
+__all__ = ["as_written", "decimal_judge"]
 
 _DIGITS = 50
-STICK, FORWARD, BACKWARD = 0, 1, -1
+_VARIABLES = ("payload", "foot", "payload_rate", "foot_rate", "pressure")
 _ORDER = 46
 _NEGLIGIBLE = Decimal("1e-38")  # largest last term of a series
 _LONGEST_STEP = Decimal("1.0")
@@ -24,8 +25,8 @@ _LOOKS = np.concatenate([np.geomspace(1e-8, 5e-3, 12), np.linspace(0.0, 1.0, 101
 
 
 @dataclass
-class ExactRun:
-    """State, history and event sequence of one crawler, in Decimal."""
+class _Run:
+    """State and events of one crawler, in Decimal."""
 
     payload: Decimal
     foot: Decimal
@@ -33,40 +34,33 @@ class ExactRun:
     foot_rate: Decimal
     pressure: Decimal
     motion: int
-    fresh: bool
-    events: list[tuple[Decimal, int]]
-    samples: list[list[Decimal]]  # z, v, p, x, w at each sample
-    # How near the run came to another sequence of events. To compare slip counts is fair only far above rounding.
-    clearance: float
-
-    @property
-    def slips(self) -> int:
-        return sum(motion != STICK for _, motion in self.events)
+    fresh: bool  # whether this motion has only just begun
+    clearance: float = float("inf")
+    events: list[tuple[Decimal, int]] = field(default_factory=list)
 
 
-def decimal_judge(
-    groups: Groups, valve, hold, *, scene=None, samples_per_hold=1, initial=None, number=Decimal
-) -> ExactRun:
+def decimal_judge(groups, valve, hold, *, scene=None, samples_per_hold=1, initial=None, number=Decimal) -> Verdict:
     """Integrate one crawler to more than 30 digits; arguments as those of `simulate`.
 
-    `number` reads a float: `Decimal` takes its exact binary value, `as_written` the decimal fraction that it stands for.
+    `number` reads a float: `Decimal` takes its binary value, `as_written` the decimal fraction it stands for.
     """
-    scene, start = scene or Scene(), initial or State()
+    scene, start = scene or Scene(), initial or REST
     with localcontext() as context:
         context.prec = _DIGITS
         groups = SimpleNamespace(**{name: number(value) for name, value in groups.to_dict().items()})
         z, v, p, x, w = (number(value) for value in start)
         motion = int(w.compare(0))
-        run = ExactRun(x + z, x, v + w, w, p, motion, motion == STICK, [], [], float("inf"))
+        run = _Run(x + z, x, v + w, w, p, motion, motion == STICK)
         hold = number(hold)
+        rows = []
         for k, command in enumerate(valve):
             for j in range(samples_per_hold):
                 opened = k * hold + hold * j / samples_per_hold
                 _advance(run, groups, scene, int(command), opened, hold / samples_per_hold)
                 z, v = run.payload - run.foot, run.payload_rate - run.foot_rate
-                run.samples.append([z, v, run.pressure, run.foot, run.foot_rate])
+                rows.append([float(value) for value in (z, v, run.pressure, run.foot, run.foot_rate)])
         _last_clearance(run, groups, scene)
-        return run
+    return Verdict(*np.array(rows).T, run.events, run.clearance, last_foot=run.foot)
 
 
 def as_written(value: float) -> Decimal:
@@ -83,7 +77,7 @@ def _advance(run, groups, scene, command, opened, length):
         if last:
             step = min(step, (_NEGLIGIBLE / last) ** (Decimal(1) / _ORDER))
         step, following = _first_event(run, groups, scene, series, step)
-        for name in ("payload", "foot", "payload_rate", "foot_rate", "pressure"):
+        for name in _VARIABLES:
             setattr(run, name, _value(series[name], step))
         elapsed += step
         run.fresh = False
@@ -98,8 +92,7 @@ def _expand(run, groups, command):
     duffing, damping, coupling = groups.duffing, 2 * groups.damping_ratio, groups.radial_coupling
     foot_mass, drag = groups.foot_mass_fraction, run.motion * groups.kinetic_friction
     payload_mass = 1 - foot_mass
-    names = ("payload", "foot", "payload_rate", "foot_rate", "pressure")
-    series = {name: [getattr(run, name)] for name in names}
+    series = {name: [getattr(run, name)] for name in _VARIABLES}
     series["force"] = []
     z, square = [], []
     for n in range(_ORDER + 1):
@@ -148,7 +141,7 @@ def _first_event(run, groups, scene, series, step):
                 run.clearance = min(run.clearance, abs(float(push - s)))
             best, following = moment, STICK if scene.ratchet or push <= s else -run.motion
         return best, following
-    for motion in (FORWARD,) if scene.ratchet else (FORWARD, BACKWARD):
+    for motion in (1,) if scene.ratchet else (1, -1):
         gap = [motion * c for c in series["force"]]
         gap[0] += s
         moment = _descent(run, gap, step)

@@ -1,19 +1,19 @@
-"""Slow second implementations of the crawler, from the equations of the paper and not from the package's algebra.
+"""A slow second implementation of the crawler, from the equations of the paper and not from the package's algebra.
 
-Both integrate the payload and the foot each by its own equation of motion (7 to 9), X_p and X_f with their rates, in
-natural units: masses 1 - r and r. `judge` does so with SciPy's DOP853, and integrates the energies along.
-`decimal_judge` does so by Taylor recurrences in 50-digit decimal arithmetic.
+The payload and the foot each obey their own equation of motion (7 to 9), X_p and X_f with their rates, in natural
+units: masses 1 - r and r. SciPy's DOP853 integrates them, and the energies along with them.
 """
 
 from dataclasses import dataclass, field
+from decimal import Decimal
 
 import numpy as np
 from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
-from stickslip.crawler import Groups, Scene, State
+from stickslip.crawler import Groups, REST, Scene
 
-__all__ = ["Verdict", "decimal_judge", "judge"]
+__all__ = ["BACKWARD", "FORWARD", "STICK", "Verdict", "judge"]
 
 STICK, FORWARD, BACKWARD = 0, 1, -1
 _ACCURACY = {"rtol": 1e-12, "atol": 1e-13}
@@ -23,21 +23,21 @@ _LOOKS = np.concatenate([np.geomspace(1e-9, 1e-2, 15), np.linspace(0.0, 1.0, 25)
 
 @dataclass
 class Verdict:
-    """What the judge says of one run; arrays hold one entry a sample."""
+    """What a judge says of one run; arrays hold one entry a sample."""
 
-    time: np.ndarray
     deformation: np.ndarray
     velocity: np.ndarray
     pressure: np.ndarray
     foot: np.ndarray
     foot_velocity: np.ndarray
-    work: float
-    viscous_loss: float
-    friction_loss: float
-    events: list[tuple[float, int]]
-    # How near the run came to another sequence of events: the least force that was missing for a slip, or the least
-    # speed that a slip reached. A comparison of slip counts is fair only where this is far above rounding.
+    events: list[tuple[float | Decimal, int]]  # time and the motion that begins
+    # How near the run came to another sequence of events, in force or speed. A comparison of slip counts is fair
+    # only where this is far above rounding.
     clearance: float
+    work: float = np.nan
+    viscous_loss: float = np.nan
+    friction_loss: float = np.nan
+    last_foot: float | Decimal = np.nan
 
     @property
     def slips(self) -> int:
@@ -99,7 +99,7 @@ class _Run:
 def judge(groups, valve, hold, *, scene=None, samples_per_hold=1, initial=None) -> Verdict:
     """Integrate one crawler with SciPy; arguments as those of `simulate`."""
     scene = scene or Scene()
-    start = initial or State()
+    start = initial or REST
     speeds = [start.velocity + start.foot_velocity, start.foot_velocity]
     positions = [start.deformation + start.foot, start.foot]
     run = _Run(groups, scene, np.array([*positions, *speeds, 0.0, 0.0, 0.0]))
@@ -114,19 +114,12 @@ def judge(groups, valve, hold, *, scene=None, samples_per_hold=1, initial=None) 
 
         for j in range(samples_per_hold):
             _advance(run, pressure, begin + hold * (j + 1) / samples_per_hold)
-            rows.append([run.time, pressure(run.time), *run.state])
+            rows.append([pressure(run.time), *run.state])
         opening = pressure(begin + hold)
-    time, p, payload, foot, payload_rate, foot_rate = np.array(rows).T[:6]
+    p, payload, foot, payload_rate, foot_rate = np.array(rows).T[:5]
+    clearance = min([run.clearance, *(abs(gap(opening, run.state)) for gap, _ in run.gaps())])
     return Verdict(
-        time,
-        payload - foot,
-        payload_rate - foot_rate,
-        p,
-        foot,
-        foot_rate,
-        *run.state[4:],
-        run.events,
-        min([run.clearance, *(abs(gap(opening, run.state)) for gap, _ in run.gaps())]),
+        payload - foot, payload_rate - foot_rate, p, foot, foot_rate, run.events, clearance, *run.state[4:], foot[-1]
     )
 
 

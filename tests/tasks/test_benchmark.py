@@ -96,7 +96,7 @@ def test_the_table_by_hand():
     scores = [Score("t", "a", 0, 1.0), Score("t", "a", 1, 3.0), Score("t", "b", 0, 0.5)]
     assert summarize(scores)["t", "a"] == (2.0, pytest.approx(math.sqrt(2)), 2)
     assert math.isnan(summarize(scores)["t", "b"].std)
-    assert table(scores) == [["reservoir", "t"], ["a", "2.00 ± 1.41"], ["b", "0.50"]]
+    assert table(scores) == [["task", "a", "b"], ["t", "2.00 ± 1.41", "0.50"]]
 
 
 @pytest.mark.parametrize(

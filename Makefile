@@ -1,0 +1,55 @@
+# `make demo` and `make test` set up all they need in .venv the first time, and nothing after that.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+SOURCES := crawler reservoir tasks envs train stickslip
+KERNELS := $(wildcard crawler/*.py reservoir/*.py envs/*.py)
+# Two cores: BLAS and torch must not fight the processes beside them.
+export OMP_NUM_THREADS ?= 1
+
+.PHONY: demo test lint types layers package slow bench clean
+
+demo: $(VENV)/ready $(VENV)/kernels
+	$(BIN)/stickslip demo
+
+test: lint types layers $(VENV)/kernels
+	$(BIN)/python -m pytest -n 2 --dist loadgroup
+
+slow: $(VENV)/kernels
+	$(BIN)/python -m pytest -m slow
+
+lint: $(VENV)/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+# mypy and import-linter see the whole package only where it is installed as files.
+types: build/installed
+	cd build/installed && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p stickslip
+
+layers: build/installed
+	cd build/installed && PYTHONPATH=. ../../$(BIN)/lint-imports --config ../../pyproject.toml --no-cache
+
+build/installed: $(VENV)/ready $(shell find $(SOURCES) -name '*.py') pyproject.toml
+	rm -rf build
+	$(BIN)/python -m pip install --quiet --no-deps --target build/installed .
+	touch build/installed
+
+package: $(VENV)/ready
+	rm -rf dist
+	$(BIN)/python -m build
+
+bench: $(VENV)/kernels
+	for script in benchmarks/*.py; do $(BIN)/python $$script; done
+
+$(VENV)/ready: pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	touch $@
+
+# numba keys its cache by the file of the outermost function alone, and would go on using an edited callee as it was.
+$(VENV)/kernels: $(VENV)/ready $(KERNELS)
+	find $(SOURCES) -name '*.nb[ic]' -delete
+	touch $@
+
+clean:
+	rm -rf $(VENV) build dist runs *.egg-info

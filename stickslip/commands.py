@@ -1,0 +1,139 @@
+"""The commands behind ``stickslip``, each a few lines over the package's own functions."""
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+__all__ = ["app", "run"]
+
+app = typer.Typer(
+    help="A soft crawler that computes: crawl, remember, learn.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+_ENVIRONMENT = "StickSlipCrawler-v0"
+
+
+def run(arguments: list[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    arguments : list of str, optional
+        What follows the program's name; those of this process by default.
+
+    Returns
+    -------
+    int
+        Exit status: 0 done, 1 refused or failed, 2 not understood, 130 interrupted.
+    """
+    console = Console(stderr=True, highlight=False)
+    # Solver errors are RuntimeErrors; the rest are what arguments, files and missing extras raise.
+    expected = (ValueError, TypeError, OSError, RuntimeError, ImportError)
+    try:
+        return app(arguments, standalone_mode=False) or 0
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        console.print("interrupted")
+        return 130
+    except expected as error:
+        message = " ".join(str(error).split())
+        console.print(f"error: {message or type(error).__name__}", markup=False, soft_wrap=True)
+        return 1
+
+
+@app.command()
+def demo(
+    output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("runs/demo"),
+    seed: Annotated[int, typer.Option(help="Of everything random.", min=0)] = 0,
+) -> None:
+    """See the crawler crawl, its memory measured, its tasks benchmarked and two policies trained."""
+    from .demo import run_demo
+
+    run_demo(output, seed)
+
+
+@app.command()
+def train(
+    output: Annotated[Path, typer.Option(help="Folder of the run.")],
+    memory_weight: Annotated[float, typer.Option(help="Share of memory in the reward, 0 to 1.")] = 0.5,
+    dither: Annotated[float, typer.Option(help="Probability that a command is flipped, 0 to 0.5.")] = 0.1,
+    hold: Annotated[float, typer.Option(help="Length of a step, natural time.")] = 0.5,
+    groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
+    env_kwargs: Annotated[str, typer.Option(help="Further arguments of the environment, as JSON.")] = "{}",
+    steps: Annotated[int | None, typer.Option(help="Environment steps, instead of the file's.", min=1)] = None,
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+    algorithm: Annotated[str, typer.Option(help="ppo.")] = "ppo",
+    hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in rl-baselines3-zoo's form.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the folder.")] = False,
+) -> None:
+    """Train a policy, with evaluations, checkpoints and TensorBoard logs in the output folder."""
+    from .train.hyperparameters import read_hyperparameters
+    from .train.run import Configuration
+    from .train.training import train as train_policy
+
+    arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold}
+    if groups is not None:
+        arguments["groups"] = _json_object("--groups", groups) if groups.lstrip().startswith("{") else groups
+    arguments |= _json_object("--env-kwargs", env_kwargs)
+    # The algorithm is checked before a file of its name is looked for.
+    configuration = Configuration(algorithm=algorithm, environment=_ENVIRONMENT, env_kwargs=arguments, seed=seed)
+    entry = read_hyperparameters(algorithm, _ENVIRONMENT, hyperparameters)
+    if steps is not None:
+        entry["n_timesteps"] = steps
+    configuration.hyperparameters.update(entry)
+
+    with _progress_bar() as progress:
+        task = progress.add_task("training", total=entry["n_timesteps"])
+        finished = train_policy(
+            configuration, output, resume=resume, on_progress=lambda done: progress.update(task, completed=done)
+        )
+    rows = (finished.folder / "evaluations.csv").read_text().splitlines()[1:]
+    best = max(rows, key=lambda row: float(row.split(",")[1])).split(",")
+    typer.echo(f"best policy: {float(best[1]):.4f} reward per step after {best[0]} steps, kept in {finished.best}")
+
+
+@app.command()
+def evaluate(
+    run: Annotated[Path, typer.Argument(help="Folder of a training run.")],
+    checkpoint: Annotated[Path | None, typer.Option(help="One of its checkpoints; the best policy by default.")] = None,
+    output: Annotated[Path | None, typer.Option(help="Folder for what is made; RUN/evaluation by default.")] = None,
+    steps: Annotated[int, typer.Option(help="Steps to measure over.", min=1000)] = 6000,
+    seed: Annotated[int, typer.Option(help="Of the flips.", min=0)] = 0,
+    video: Annotated[bool, typer.Option(help="Also film the policy.")] = True,
+) -> None:
+    """Replay a policy: its speed and memory, figures and a clip."""
+    from .train.report import evaluate_run
+
+    result = evaluate_run(run, checkpoint=checkpoint, output=output, steps=steps, seed=seed, video=video)
+    for name, value in result.items():
+        typer.echo(f"{name:<24} {value}")
+
+
+def _progress_bar() -> Progress:
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+    )
+
+
+def _json_object(option: str, text: str) -> dict[str, Any]:
+    try:
+        value = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{option} must be a JSON object, got {text!r}: {error}") from None
+    if not isinstance(value, dict):
+        raise ValueError(f"{option} must be a JSON object, got {text!r}")
+    return value

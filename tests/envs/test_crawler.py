@@ -1,0 +1,249 @@
+import ast
+import copy
+import inspect
+import itertools
+import json
+import pickle
+import re
+import subprocess
+import sys
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import stickslip
+from stickslip import Groups, Scene, simulate
+from stickslip.crawler import SolverError
+from stickslip.envs import StickSlipCrawlerEnv
+
+NAME = "StickSlipCrawler-v0"
+SPEED_ONLY = {"dither": 0.0, "memory_weight": 0.0}
+ARGUMENTS = [
+    {},
+    SPEED_ONLY,
+    {"groups": "high-damping", "scene": {"ratchet": False}, "hold": 2.0, "tolerance": 1e-9},
+    {"groups": {"deborah": 2.0}, "scene": {"anchored": True}, "dither": 0.5, "memory_weight": 1.0, "virtual_nodes": 1},
+    {"randomize": {"duffing": [0.1, 2.0], "static_friction": [0.2, 0.5]}, "delays": 3},
+]
+
+
+def rollout(env, actions):
+    return [env.step(int(action)) for action in actions]
+
+
+def assert_same_steps(one, other):
+    for (observation, *rest), (expected, *others) in zip(one, other, strict=True):
+        np.testing.assert_array_equal(observation, expected)
+        assert rest == others
+
+
+def commands(steps, seed=0):
+    return np.random.default_rng(seed).integers(0, 2, steps)
+
+
+@pytest.mark.parametrize("arguments", ARGUMENTS, ids=str)
+@pytest.mark.filterwarnings("error")
+def test_gymnasium_finds_no_fault(arguments):
+    # Its pictures, which take most of the time, are the same for all.
+    mode = "rgb_array" if not arguments else None
+    check_env(gym.make(NAME, render_mode=mode, **arguments).unwrapped, skip_render_check=mode is None)
+
+
+def test_gymnasium_finds_it_by_name_without_import():
+    code = (
+        "import sys, gymnasium; env = gymnasium.make('stickslip:StickSlipCrawler-v0'); env.reset(); env.step(1);"
+        "assert type(env.unwrapped).__module__ == 'stickslip.envs.crawler'"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
+
+
+def test_importing_the_package_is_light():
+    heavy = "numba", "sklearn", "scipy", "torch", "matplotlib", "pygame", "moviepy", "typer", "rich"
+    code = f"import sys, stickslip; loaded = set({heavy}) & set(sys.modules); assert not loaded, loaded"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {},
+        {"scene": {"anchored": True}, "virtual_nodes": 3},
+        {"scene": {"ratchet": False}, "groups": {"static_friction": 0.1, "kinetic_friction": 0.05}},
+        {"groups": "aggressive-forcing", "hold": 2.0, "tolerance": 1e-12, "dither": 0.3},
+    ],
+    ids=str,
+)
+def test_it_moves_as_simulated_bit_for_bit(arguments):
+    env = gym.make(NAME, **arguments).unwrapped
+    env.reset(seed=5)
+    observations, _, _, _, infos = zip(*rollout(env, commands(400)), strict=True)
+    valve = [info["valve"] for info in infos]
+    motion = simulate(
+        env.groups,
+        valve,
+        env.hold,
+        scene=env.scene,
+        tolerance=env.tolerance,
+        samples_per_hold=env.virtual_nodes,
+    )
+    ends = slice(env.virtual_nodes - 1, None, env.virtual_nodes)
+    expected = np.column_stack([motion.deformation, motion.velocity, motion.pressure, motion.foot_velocity])[ends]
+    np.testing.assert_array_equal(observations, np.column_stack([expected, valve]).astype(np.float32))
+    np.testing.assert_array_equal([info["distance"] for info in infos], motion.foot[ends])
+    assert infos[-1]["slips"] == motion.slips
+    assert infos[-1]["slips"] > 0 or env.scene.anchored
+
+
+def test_a_seed_fixes_the_episode_whatever_came_before():
+    fresh, used = gym.make(NAME), gym.make(NAME)
+    used.reset(seed=1)
+    rollout(used, commands(300, seed=9))
+    for env in (fresh, used):
+        env.reset(seed=2)
+    assert_same_steps(rollout(fresh, commands(600)), rollout(used, commands(600)))
+    used.reset(seed=3)
+    assert [s[4]["valve"] for s in rollout(used, commands(100))] != list(commands(100))
+
+
+def test_reset_without_a_seed_goes_on_and_with_one_begins_anew():
+    env = gym.make(NAME)
+    episodes = []
+    for seed in (4, None, 4, None):
+        env.reset(seed=seed)
+        episodes.append(rollout(env, commands(200)))
+    assert_same_steps(episodes[0], episodes[2])
+    assert_same_steps(episodes[1], episodes[3])
+    flips = [[info["valve"] for *_, info in episode] for episode in episodes]
+    assert flips[0] != flips[1]
+
+
+def test_the_action_space_can_be_seeded():
+    env = gym.make(NAME)
+    draws = []
+    for _ in range(2):
+        env.action_space.seed(3)
+        draws.append([env.action_space.sample() for _ in range(50)])
+    assert draws[0] == draws[1]
+    assert set(draws[0]) == {0, 1}
+
+
+@pytest.mark.parametrize(
+    "twin_of", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["copy", "pickle"]
+)
+@pytest.mark.parametrize("arguments", [{}, SPEED_ONLY], ids=["default", "speed"])
+def test_a_copy_goes_on_as_the_original_would(twin_of, arguments):
+    env = gym.make(NAME, **arguments)
+    env.reset(seed=1)
+    rollout(env, commands(70))
+    twin = twin_of(env)
+    twins = rollout(twin, commands(300, seed=1))
+    assert_same_steps(twins, rollout(env, commands(300, seed=1)))
+
+
+def test_observations_are_float32_within_bounds_and_independent():
+    env = gym.make(NAME, dither=0.5)
+    first, _ = env.reset(seed=0)
+    observations = [first, *(step[0] for step in rollout(env, commands(999)))]
+    kept = copy.deepcopy(observations)
+    rollout(env, [1])
+    for observation, before in zip(observations, kept, strict=True):
+        assert observation.dtype == np.float32
+        assert observation in env.observation_space
+        np.testing.assert_array_equal(observation, before)
+    assert not any(np.shares_memory(a, b) for a, b in itertools.pairwise(observations))
+
+
+def test_without_ratchet_the_foot_goes_backward_within_bounds():
+    arguments = {"scene": {"ratchet": False}, "groups": {"static_friction": 0.02, "kinetic_friction": 0.01}}
+    env = gym.make(NAME, hold=1.0, **arguments)
+    env.reset(seed=0)
+    observations = [step[0] for step in rollout(env, commands(300))]
+    assert min(observation[3] for observation in observations) < 0
+    assert all(observation in env.observation_space for observation in observations)
+
+
+def test_the_arguments_survive_json():
+    arguments = {
+        "groups": Groups(deborah=1.0).to_dict(),
+        "scene": Scene(ratchet=False).to_dict(),
+        "hold": 0.7,
+        "randomize": {"duffing": [0.1, 2.0]},
+        "dither": 0.2,
+    }
+    env = gym.make(NAME, **arguments)
+    kwargs = json.loads(json.dumps(env.spec.kwargs))
+    assert kwargs == arguments
+    again, loaded = gym.make(env.spec), gym.make(gym.envs.registration.EnvSpec.from_json(env.spec.to_json()))
+    for twin in (env, again, loaded, gym.make(NAME, **kwargs)):
+        assert twin.unwrapped.groups == Groups(deborah=1.0)
+        twin.reset(seed=3)
+    steps = rollout(env, commands(50))
+    for twin in (again, loaded):
+        assert_same_steps(steps, rollout(twin, commands(50)))
+
+
+def test_an_episode_is_a_thousand_steps_and_never_terminates():
+    env = gym.make(NAME)
+    env.reset(seed=0)
+    steps = rollout(env, commands(1000))
+    assert not any(terminated for _, _, terminated, _, _ in steps)
+    assert [truncated for _, _, _, truncated, _ in steps] == [False] * 999 + [True]
+
+
+def test_groups_are_drawn_anew_for_every_episode():
+    ranges = {"duffing": [0.1, 2.0], "kinetic_friction": [0.0, 0.2], "deborah": [0.7, 0.7]}
+    env, twin = gym.make(NAME, randomize=ranges), gym.make(NAME, randomize=ranges)
+    drawn = [env.reset(seed=11 if episode == 0 else None)[1]["groups"] for episode in range(40)]
+    assert [twin.reset(seed=11 if episode == 0 else None)[1]["groups"] for episode in range(40)] == drawn
+    for name, (low, high) in ranges.items():
+        values = np.array([groups[name] for groups in drawn])
+        assert ((low <= values) & (values <= high)).all()
+        # The mean of 40 uniform draws has standard deviation (high - low) / sqrt(480).
+        assert abs(values.mean() - (low + high) / 2) <= 4 * (high - low) / np.sqrt(480)
+        assert len(set(values)) == (40 if high > low else 1)
+    fixed = Groups().to_dict().keys() - ranges
+    assert all(groups[name] == getattr(Groups(), name) for groups in drawn for name in fixed)
+
+
+def test_the_drawn_groups_are_those_that_move():
+    env = gym.make(NAME, randomize={"duffing": [1.0, 3.0]}, **SPEED_ONLY)
+    _, info = env.reset(seed=0)
+    assert info["groups"] == env.unwrapped.episode_groups.to_dict()
+    steps = rollout(env, commands(100))
+    motion = simulate(Groups(**info["groups"]), commands(100), 0.5, tolerance=1e-6)
+    # Virtual nodes move the solver's steps, so that one sample a hold agrees only to the tolerance.
+    assert steps[-1][4]["distance"] == pytest.approx(motion.foot[-1], abs=1e-3)
+
+
+def test_a_diverged_motion_has_to_be_reset():
+    env = gym.make(NAME, groups={"radial_coupling": 3.0, "duffing": 0.0}, **SPEED_ONLY)
+    env.reset(seed=0)
+    with pytest.raises(SolverError, match=r"diverged at time .*radial_coupling > 1 needs duffing > 0"):
+        rollout(env, np.ones(1000, int))
+    with pytest.raises(gym.error.ResetNeeded, match="reset"):
+        env.step(1)
+    env.reset()
+    assert env.step(1)[0][2] > 0
+
+
+def test_the_description_has_the_headings_of_gymnasium_in_their_order():
+    headings = re.findall(r"^## (.*)$", inspect.getdoc(StickSlipCrawlerEnv), re.MULTILINE)
+    wanted = ["Description", "Action Space", "Observation Space", "Rewards", "Starting State", "Episode End"]
+    wanted += ["Arguments", "Version History"]
+    assert [heading for heading in headings if heading in wanted] == wanted
+
+
+def test_the_table_of_arguments_is_the_constructor():
+    section = inspect.getdoc(StickSlipCrawlerEnv).split("## Arguments")[1].split("## Version History")[0]
+    table = dict(re.findall(r"^\| `(\w+)` *\|[^|]*\| *(\S+) *\|", section, re.MULTILINE))
+    signature = inspect.signature(StickSlipCrawlerEnv)
+    table = {name: ast.literal_eval(default) for name, default in table.items()}
+    assert table == {name: parameter.default for name, parameter in signature.parameters.items()}
+    assert list(table) == list(signature.parameters)
+
+
+def test_the_package_lists_what_it_offers():
+    assert set(stickslip.__all__) <= set(dir(stickslip))
+    assert all(getattr(stickslip, name) is not None for name in stickslip.__all__)

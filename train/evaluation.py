@@ -1,0 +1,114 @@
+"""What a trained policy comes to, measured as every schedule is."""
+
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.wrappers import RecordVideo
+from numpy.typing import NDArray
+from stable_baselines3.common.base_class import BaseAlgorithm
+
+from ..envs import StickSlipCrawlerEnv
+from .run import atomically
+from .schedules import Performance, performance
+
+__all__ = ["film", "measure", "roll_out"]
+
+
+def roll_out(
+    policy: BaseAlgorithm, environment: StickSlipCrawlerEnv, steps: int, seed: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Let a policy act, deterministically, through one long episode.
+
+    Parameters
+    ----------
+    policy : BaseAlgorithm
+    environment : StickSlipCrawlerEnv
+        Bare: a time limit would cut the episode.
+    steps : int
+    seed : int
+        Of the flips.
+
+    Returns
+    -------
+    command, valve : (steps,) arrays of 0 and 1
+    """
+    command = np.empty(steps, np.int64)
+    valve = np.empty(steps, np.int64)
+    observation, _ = environment.reset(seed=seed)
+    for k in range(steps):
+        action, _ = policy.predict(observation, deterministic=True)
+        observation, _, _, _, info = environment.step(int(action))
+        command[k] = action
+        valve[k] = info["valve"]
+    return command, valve
+
+
+def measure(
+    policy: BaseAlgorithm, *, env_kwargs: dict[str, Any], steps: int = 6000, seed: int = 0
+) -> tuple[Performance, NDArray[np.int64], NDArray[np.int64]]:
+    """Speed and held-out memory capacity of a policy.
+
+    Parameters
+    ----------
+    policy : BaseAlgorithm
+    env_kwargs : dict
+        Arguments of the environment it is measured in.
+    steps : int
+    seed : int
+        Of the flips.
+
+    Returns
+    -------
+    performance : Performance
+    command, valve : (steps,) arrays of 0 and 1
+    """
+    environment = StickSlipCrawlerEnv(**env_kwargs)
+    command, valve = roll_out(policy, environment, steps, seed)
+    result = performance(
+        command,
+        valve,
+        dither=environment.dither,
+        groups=environment.episode_groups,
+        hold=environment.hold,
+        scene=environment.scene,
+        delays=environment.delays,
+        virtual_nodes=environment.virtual_nodes,
+        tolerance=environment.tolerance,
+    )
+    return result, command, valve
+
+
+def film(policy: BaseAlgorithm, file: Path, *, env_kwargs: dict[str, Any], steps: int = 240, seed: int = 0) -> None:
+    """Write a clip of a policy at work.
+
+    Parameters
+    ----------
+    policy : BaseAlgorithm
+    file : Path
+        Ends in ``.mp4``; its folder must exist.
+    env_kwargs : dict
+        Arguments of the environment.
+    steps : int
+        Frames.
+    seed : int
+        Of the flips.
+    """
+    folder = file.parent / f".{file.stem}"
+    environment = RecordVideo(
+        gym.make("StickSlipCrawler-v0", **env_kwargs, render_mode="rgb_array", max_episode_steps=steps),
+        video_folder=str(folder),
+        name_prefix="clip",
+        episode_trigger=lambda _: True,
+    )
+    observation, _ = environment.reset(seed=seed)
+    finished = False
+    while not finished:
+        action, _ = policy.predict(observation, deterministic=True)
+        observation, _, terminated, truncated, _ = environment.step(int(action))
+        finished = terminated or truncated
+    environment.close()
+    (clip,) = folder.glob("*.mp4")
+    atomically(file, lambda path: clip.replace(path))
+    folder.rmdir()

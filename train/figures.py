@@ -1,0 +1,105 @@
+"""Figures of policies and schedules."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import cast, TYPE_CHECKING
+
+import numpy as np
+
+from .schedules import pareto_front, Performance
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["plot_learning", "plot_trade"]
+
+
+def plot_trade(
+    schedules: Mapping[str, Performance], policies: Mapping[str, Performance], *, ax: Axes | None = None
+) -> Figure:
+    """Speed against memory capacity: open-loop schedules and their front, and policies.
+
+    Parameters
+    ----------
+    schedules : mapping of str to Performance
+        By their words; all measured with the same dither.
+    policies : mapping of str to Performance
+        By the names to show, with that dither too.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure by default.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ValueError
+        If there is no schedule, or one was measured without dither.
+    """
+    # matplotlib is optional, and slow to import
+    from matplotlib import pyplot as plt
+
+    from ..crawler.plotting import house_style, MARKERS, OKABE_ITO
+
+    points = _points(schedules)
+    with house_style():
+        if ax is None:
+            _, ax = plt.subplots(figsize=(6.5, 4.2), layout="constrained")
+        ax.plot(points[:, 0], points[:, 1], "o", ms=4, color="0.65", label="open-loop schedules")
+        front = pareto_front(points)
+        ax.plot(points[front, 0], points[front, 1], "-", lw=1, color="0.35", zorder=1, label="open-loop front")
+        words = list(schedules)
+        for index in front:
+            ax.annotate(
+                words[index], points[index], xytext=(5, 4), textcoords="offset points", fontsize=7, color="0.35"
+            )
+        if policies:
+            for (name, (x, y)), color, marker in zip(
+                zip(policies, _points(policies), strict=True), OKABE_ITO, MARKERS[1:], strict=False
+            ):
+                ax.plot(x, y, marker, ms=9, color=color, mec="white", label=name)
+        ax.set(xlabel="speed ($z_c / t_c$)", ylabel="memory capacity, corrected total", xlim=(0, None), ylim=(0, 1.08 * points[:, 1].max()))
+        ax.legend(loc="upper right")
+    return cast("Figure", ax.get_figure(root=True))
+
+
+def plot_learning(table: Path, *, ax: Axes | None = None) -> Figure:
+    """Mean reward in the periodic evaluations of a run, against environment steps.
+
+    Parameters
+    ----------
+    table : Path
+        The run's ``evaluations.csv``.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; a new figure by default.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    from matplotlib import pyplot as plt
+
+    from ..crawler.plotting import house_style
+
+    steps, reward = np.loadtxt(table, delimiter=",", skiprows=1, ndmin=2).T
+    with house_style():
+        if ax is None:
+            _, ax = plt.subplots(figsize=(6.5, 3.0), layout="constrained")
+        ax.plot(steps, reward, "o-", ms=4)
+        ax.set(xlabel="environment steps", ylabel="mean reward per step")
+    return cast("Figure", ax.get_figure(root=True))
+
+
+def _points(performances: Mapping[str, Performance]) -> np.ndarray:
+    if not performances:
+        raise ValueError("schedules must hold at least one performance, got none")
+    rows = []
+    for name, (speed, memory) in performances.items():
+        if memory is None:
+            raise ValueError(f"{name} was measured without dither and has no memory capacity; all must have one")
+        rows.append((speed, memory.corrected))
+    return np.array(rows)

@@ -1,0 +1,120 @@
+"""Hyperparameter files in the form of rl-baselines3-zoo."""
+
+import ast
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+__all__ = ["linear_schedule", "read_hyperparameters", "resolve"]
+
+_REQUIRED = ("n_envs", "n_timesteps", "policy")
+# Whatever a file may set that SB3 takes as a function of the remaining progress.
+_SCHEDULES = ("learning_rate", "clip_range", "clip_range_vf")
+
+
+def read_hyperparameters(algorithm: str, environment: str, file: Path | None = None) -> dict[str, Any]:
+    """The entry of an environment, as written.
+
+    Parameters
+    ----------
+    algorithm : str
+        "ppo".
+    environment : str
+        The environment's id.
+    file : Path, optional
+        A YAML file of your own; the package's `hyperparameters/<algorithm>.yml` by default.
+
+    Returns
+    -------
+    dict
+        With `n_envs`, `n_timesteps` and `policy` at least.
+
+    Raises
+    ------
+    ValueError
+        If the file is not YAML, lacks the environment, or its entry lacks one of those three.
+    OSError
+        If the file cannot be read.
+    """
+    if file is None:
+        text = (resources.files(__package__) / "hyperparameters" / f"{algorithm}.yml").read_text()
+        source = f"hyperparameters/{algorithm}.yml"
+    else:
+        text = file.read_text()
+        source = str(file)
+    try:
+        entries = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ValueError(f"hyperparameters file {source} must be YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(entries, dict) or not isinstance(entries.get(environment), dict):
+        found = sorted(entries) if isinstance(entries, dict) else entries
+        raise ValueError(f"hyperparameters file {source} must have an entry {environment}, it has {found!r}")
+    entry: dict[str, Any] = entries[environment]
+    for name in _REQUIRED:
+        if name not in entry:
+            raise ValueError(
+                f"hyperparameters file {source} must set {name} for {environment}, it sets {sorted(entry)}"
+            )
+    for name in ("n_envs", "n_timesteps"):
+        value = entry[name]
+        if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 1 or value != int(value):
+            raise ValueError(f"hyperparameters file {source}: {name} must be a whole number >= 1, got {value!r}")
+        entry[name] = int(value)
+    return entry
+
+
+def resolve(hyperparameters: dict[str, Any]) -> dict[str, Any]:
+    """Turn what YAML cannot say, ``lin_0.001`` and ``dict(net_arch=[64, 64])``, into what SB3 takes.
+
+    Parameters
+    ----------
+    hyperparameters : dict
+        As written in a file, without `n_envs`, `n_timesteps` and `policy`.
+
+    Returns
+    -------
+    dict
+        Keyword arguments of the algorithm.
+
+    Raises
+    ------
+    ValueError
+        If a schedule or a dict cannot be understood.
+    """
+    resolved = dict(hyperparameters)
+    for name in _SCHEDULES:
+        if isinstance(resolved.get(name), str):
+            resolved[name] = _schedule(name, resolved[name])
+    if isinstance(resolved.get("policy_kwargs"), str):
+        resolved["policy_kwargs"] = _keywords("policy_kwargs", resolved["policy_kwargs"])
+    return resolved
+
+
+def linear_schedule(start: float) -> Callable[[float], float]:
+    """`start` times the progress that remains, from 1 down to 0."""
+    return lambda remaining: remaining * start
+
+
+def _schedule(name: str, text: str) -> Callable[[float], float]:
+    prefix, _, number = text.partition("_")
+    try:
+        value = float(number)
+    except ValueError:
+        value = -1.0
+    if prefix != "lin" or not value > 0.0:
+        raise ValueError(f"{name} must be a number or lin_<number>, got {text!r}")
+    return linear_schedule(value)
+
+
+def _keywords(name: str, text: str) -> dict[str, Any]:
+    """The keywords of a written call of dict; literals only, so that a file cannot run code."""
+    try:
+        call = ast.parse(text, mode="eval").body
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "dict" and not call.args:
+            return {str(keyword.arg): ast.literal_eval(keyword.value) for keyword in call.keywords}
+    except (SyntaxError, ValueError):
+        pass
+    raise ValueError(f"{name} must be a mapping or dict(key=literal, ...), got {text!r}")

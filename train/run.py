@@ -1,0 +1,157 @@
+"""A training run on disk: what was asked for, its checkpoints and its best policy."""
+
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from ..validation import whole_number
+
+__all__ = ["Configuration", "Run", "atomically"]
+
+_CHECKPOINT = re.compile(r"(\d+)_steps\.zip")
+ALGORITHMS = ("ppo",)
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What fixes a training run.
+
+    Parameters
+    ----------
+    algorithm : {"ppo"}
+    environment : str
+        Id of a registered environment.
+    env_kwargs : dict
+        Its arguments, as JSON would hold them.
+    hyperparameters : dict
+        As in a file of rl-baselines3-zoo's form, `n_envs`, `n_timesteps` and `policy` among them.
+    seed : int, >= 0
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the algorithm is unknown or the seed is not a whole number >= 0.
+    """
+
+    algorithm: str = "ppo"
+    environment: str = "StickSlipCrawler-v0"
+    env_kwargs: dict[str, Any] = field(default_factory=dict)
+    hyperparameters: dict[str, Any] = field(default_factory=dict)
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.algorithm not in ALGORITHMS:
+            raise ValueError(f"algorithm must be one of {list(ALGORITHMS)}, got {self.algorithm!r}")
+        whole_number("seed", self.seed, 0)
+
+    def differences(self, other: "Configuration") -> list[str]:
+        """Names of the fields, and of the entries in them, by which two configurations differ."""
+        names: list[str] = []
+        mine, theirs = asdict(self), asdict(other)
+        for name, value in mine.items():
+            if isinstance(value, Mapping):
+                keys = sorted({*value, *theirs[name]})
+                names += [f"{name}.{key}" for key in keys if value.get(key) != theirs[name].get(key)]
+            elif value != theirs[name]:
+                names.append(name)
+        return names
+
+
+class Run:
+    """The folder of one training run.
+
+    Holds ``configuration.yml``, ``checkpoints/<steps>_steps.zip``, ``best.zip`` (of the periodic evaluations),
+    ``final.zip``, ``evaluations.csv`` and ``tensorboard/``. Every file appears whole or not at all.
+
+    Parameters
+    ----------
+    folder : Path
+    configuration : Configuration
+    """
+
+    def __init__(self, folder: Path, configuration: Configuration) -> None:
+        self.folder = folder
+        self.configuration = configuration
+
+    @classmethod
+    def create(cls, folder: Path, configuration: Configuration) -> "Run":
+        """Make the folder of a new run.
+
+        Raises
+        ------
+        ValueError
+            If it holds a run already.
+        OSError
+            If it cannot be written.
+        """
+        file = folder / "configuration.yml"
+        if file.exists():
+            raise ValueError(f"output {folder} holds a run already; resume it or name another folder")
+        (folder / "checkpoints").mkdir(parents=True, exist_ok=True)
+        run = cls(folder, configuration)
+        atomically(file, lambda path: path.write_text(yaml.safe_dump(asdict(configuration), sort_keys=False)))
+        return run
+
+    @classmethod
+    def open(cls, folder: Path) -> "Run":
+        """Open the folder of an earlier run.
+
+        Raises
+        ------
+        ValueError
+            If there is no run in it.
+        """
+        file = folder / "configuration.yml"
+        if not file.is_file():
+            raise ValueError(f"run must be a folder with a configuration.yml in it, got {folder}")
+        written = yaml.safe_load(file.read_text())
+        known = {each.name for each in fields(Configuration)}
+        if not isinstance(written, dict) or set(written) != known:
+            raise ValueError(f"run {folder}: configuration.yml must set {sorted(known)}, got {written!r}")
+        return cls(folder, Configuration(**written))
+
+    @property
+    def best(self) -> Path:
+        """Where the best policy of the periodic evaluations is kept."""
+        return self.folder / "best.zip"
+
+    @property
+    def final(self) -> Path:
+        """Where the policy at the end of the training is kept."""
+        return self.folder / "final.zip"
+
+    def checkpoint(self, steps: int) -> Path:
+        """Where the state of the training after `steps` steps is kept."""
+        return self.folder / "checkpoints" / f"{steps}_steps.zip"
+
+    def latest_checkpoint(self) -> Path | None:
+        """The checkpoint with most steps, if there is any."""
+        found = {}
+        for path in (self.folder / "checkpoints").iterdir():
+            match = _CHECKPOINT.fullmatch(path.name)
+            if match:
+                found[int(match[1])] = path
+        return found[max(found)] if found else None
+
+
+def atomically(path: Path, write: Callable[[Path], Any]) -> None:
+    """Have a file written whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        Where the file is to be.
+    write : callable
+        Writes it at the path it is given, in the same folder and with the same suffix.
+    """
+    temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
+    try:
+        write(temporary)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

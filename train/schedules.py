@@ -1,0 +1,113 @@
+"""Open-loop valve schedules: words repeated for ever, the yardstick of every policy."""
+
+from collections.abc import Iterator
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..crawler import Groups, Scene, simulate
+from ..reservoir import memory_capacity, MemoryCapacity
+from ..tasks import body_states, dithered, innovation
+from ..validation import number_within, whole_number
+
+__all__ = ["Performance", "necklaces", "pareto_front", "performance", "repeat"]
+
+
+class Performance(NamedTuple):
+    """What a sequence of valve states came to."""
+
+    speed: float
+    """Mean speed of the foot, z_c / t_c."""
+    memory: MemoryCapacity | None
+    """Held-out memory capacity for the flips; None where there were none."""
+
+
+def performance(
+    command: NDArray[np.int64],
+    valve: NDArray[np.int64],
+    *,
+    dither: float,
+    groups: Groups,
+    hold: float,
+    scene: Scene,
+    delays: int = 20,
+    virtual_nodes: int = 4,
+    tolerance: float = 1e-6,
+) -> Performance:
+    """Speed and memory of a crawler whose valve was commanded, and flipped, like this.
+
+    Parameters
+    ----------
+    command, valve : (holds,) arrays of 0 and 1
+        What was asked for, and what came of it. With dither the memory is held out on the second half of them.
+    dither : float, in [0, 1/2]
+        Probability with which they differ.
+    groups, hold, scene, tolerance
+        As in `simulate`.
+    delays, virtual_nodes : int, >= 1
+        As in the environment.
+
+    Returns
+    -------
+    Performance
+    """
+    motion = simulate(groups, valve, hold, scene=scene, tolerance=tolerance, samples_per_hold=virtual_nodes)
+    speed = float(motion.foot[-1] / (len(valve) * hold))
+    if number_within("dither", dither, "[0, 0.5]") == 0.0:
+        return Performance(speed, None)
+    return Performance(speed, memory_capacity(body_states(motion), innovation(valve, command, dither), delays))
+
+
+def repeat(word: str, holds: int, *, dither: float = 0.0, seed: int = 0) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Command that repeats a word such as "11100", and the valve states that come of it.
+
+    Raises
+    ------
+    ValueError
+        If the word is empty or has other letters than 0 and 1.
+    """
+    if not word or set(word) - {"0", "1"}:
+        raise ValueError(f"word must be made of 0 and 1, got {word!r}")
+    command = np.resize(np.array([int(letter) for letter in word]), whole_number("holds", holds, 1))
+    return command, dithered(command, dither, seed)
+
+
+def necklaces(longest: int) -> Iterator[str]:
+    """Words of 0 and 1 up to a length, one for each schedule: no rotation and no repetition of a shorter one.
+
+    Parameters
+    ----------
+    longest : int, >= 1
+
+    Yields
+    ------
+    str
+        The Lyndon word of its necklace, written with the ones in front.
+    """
+    for length in range(1, whole_number("longest", longest, 1) + 1):
+        for letters in product("10", repeat=length):
+            word = "".join(letters)
+            if all(word > word[shift:] + word[:shift] for shift in range(1, length)):
+                yield word
+
+
+def pareto_front(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Which points no other beats in both coordinates.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+        More is better.
+
+    Returns
+    -------
+    (m,) array of int
+        Indices, by the first coordinate, falling.
+    """
+    front: list[int] = []
+    for index in np.lexsort((-points[:, 1], -points[:, 0])):
+        if not front or points[index, 1] > points[front[-1], 1]:
+            front.append(int(index))
+    return np.array(front, dtype=np.int64)
