@@ -1,10 +1,10 @@
 """The commands behind ``stickslip``, each a few lines over the package's own functions."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
-import click
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -16,6 +16,7 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,
 )
 _ENVIRONMENT = "StickSlipCrawler-v0"
 
@@ -31,34 +32,29 @@ def run(arguments: list[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0 done, 1 refused or failed, 2 not understood, 130 interrupted.
+        Exit status: 0 done, 1 refused or failed, 2 not understood.
     """
-    console = Console(stderr=True, highlight=False)
-    # Solver errors are RuntimeErrors; the rest are what arguments, files and missing extras raise.
-    expected = (ValueError, TypeError, OSError, RuntimeError, ImportError)
     try:
-        return app(arguments, standalone_mode=False) or 0
-    except click.ClickException as error:
-        error.show()
-        return error.exit_code
-    except (click.Abort, KeyboardInterrupt):
-        console.print("interrupted")
-        return 130
-    except expected as error:
-        message = " ".join(str(error).split())
-        console.print(f"error: {message or type(error).__name__}", markup=False, soft_wrap=True)
+        app(arguments)
+    except SystemExit as end:
+        return int(end.code or 0)
+    # What arguments, files, the solver (RuntimeError) and missing extras raise.
+    except (ValueError, TypeError, OSError, RuntimeError, ImportError) as error:
+        print("error:", " ".join(str(error).split()) or type(error).__name__, file=sys.stderr)
         return 1
+    return 0
 
 
 @app.command()
 def demo(
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("runs/demo"),
     seed: Annotated[int, typer.Option(help="Of everything random.", min=0)] = 0,
+    steps: Annotated[int | None, typer.Option(help="Steps of each training, instead of the file's.", min=1)] = None,
 ) -> None:
     """See the crawler crawl, its memory measured, its tasks benchmarked and two policies trained."""
     from .demo import run_demo
 
-    run_demo(output, seed)
+    run_demo(output, seed, steps)
 
 
 @app.command()
@@ -91,11 +87,18 @@ def train(
         entry["n_timesteps"] = steps
     configuration.hyperparameters.update(entry)
 
-    with _progress_bar() as progress:
-        task = progress.add_task("training", total=entry["n_timesteps"])
-        finished = train_policy(
-            configuration, output, resume=resume, on_progress=lambda done: progress.update(task, completed=done)
-        )
+    bar = _progress_bar()
+    task = bar.add_task("training", total=entry["n_timesteps"])
+
+    def show(done: int) -> None:
+        bar.start()  # only now: what is refused is refused without a bar above it
+        bar.update(task, completed=done)
+
+    try:
+        finished = train_policy(configuration, output, resume=resume, on_progress=show)
+    finally:
+        if bar.live.is_started:
+            bar.stop()
     rows = (finished.folder / "evaluations.csv").read_text().splitlines()[1:]
     best = max(rows, key=lambda row: float(row.split(",")[1])).split(",")
     typer.echo(f"best policy: {float(best[1]):.4f} reward per step after {best[0]} steps, kept in {finished.best}")

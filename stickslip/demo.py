@@ -50,7 +50,7 @@ _SPEED = _Lesson("speed policy", "speed", {"memory_weight": 0.0, "dither": 0.0})
 _MEMORY = _Lesson("memory_weight = 0.5 policy", "memory", {"memory_weight": 0.5, "dither": _DITHER})
 
 
-def run_demo(folder: Path, seed: int = 0) -> None:
+def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
     """Write figures, a clip, numbers and ``index.html`` into a folder, and print a short table.
 
     Parameters
@@ -60,6 +60,8 @@ def run_demo(folder: Path, seed: int = 0) -> None:
         checkpoint; everything else is made anew.
     seed : int, >= 0
         Of everything random.
+    steps : int, optional
+        Environment steps of each training, instead of the hyperparameter file's.
 
     Raises
     ------
@@ -70,7 +72,7 @@ def run_demo(folder: Path, seed: int = 0) -> None:
     began = time.perf_counter()
     folder.mkdir(parents=True, exist_ok=True)
     # The two trainings take a core each; BLAS beside them must not take another.
-    with threadpool_limits(1), _Classroom(folder / "policies", seed) as classroom:
+    with threadpool_limits(1), _Classroom(folder / "policies", seed, steps) as classroom:
         crawl = simulate(Groups(), repeat(_BEST_WORD, 40)[0], _HOLD, samples_per_hold=20)
         save_figure(crawl.plot(), folder / "trajectory.png")
         console.print(f"trajectory: {crawl.foot[-1]:.1f} z_c in {crawl.time[-1]:.0f} t_c with {crawl.slips} slips")
@@ -137,15 +139,15 @@ def run_demo(folder: Path, seed: int = 0) -> None:
 class _Classroom:
     """Trains the two policies beside the rest of the demo, a process each."""
 
-    def __init__(self, folder: Path, seed: int) -> None:
+    def __init__(self, folder: Path, seed: int, steps: int | None) -> None:
         self._folder = folder
+        entry = read_hyperparameters("ppo", Configuration.environment)
+        self._total = entry["n_timesteps"] if steps is None else steps
         context = multiprocessing.get_context("spawn")
         self._steps = {lesson.folder: context.Value("q", 0) for lesson in (_SPEED, _MEMORY)}
         self._configurations = {
             lesson.folder: Configuration(
-                env_kwargs=lesson.env_kwargs,
-                hyperparameters=read_hyperparameters("ppo", Configuration.environment),
-                seed=seed,
+                env_kwargs=lesson.env_kwargs, hyperparameters={**entry, "n_timesteps": self._total}, seed=seed
             )
             for lesson in (_SPEED, _MEMORY)
         }
@@ -165,12 +167,7 @@ class _Classroom:
         """Wait for the trainings, with a bar for each."""
         bars = Progress(TextColumn("training {task.description}"), BarColumn(), TimeElapsedColumn(), console=console)
         with bars:
-            tasks = {
-                lesson.folder: bars.add_task(
-                    lesson.name, total=self._configurations[lesson.folder].hyperparameters["n_timesteps"]
-                )
-                for lesson in (_SPEED, _MEMORY)
-            }
+            tasks = {lesson.folder: bars.add_task(lesson.name, total=self._total) for lesson in (_SPEED, _MEMORY)}
             while not all(future.done() for future in self._futures.values()):
                 for name, task in tasks.items():
                     bars.update(task, completed=self._steps[name].value)

@@ -62,7 +62,8 @@ def plot_trade(
                 zip(policies, _points(policies), strict=True), OKABE_ITO, MARKERS[1:], strict=False
             ):
                 ax.plot(x, y, marker, ms=9, color=color, mec="white", label=name)
-        ax.set(xlabel="speed ($z_c / t_c$)", ylabel="memory capacity, corrected total", xlim=(0, None), ylim=(0, 1.08 * points[:, 1].max()))
+        ax.set(xlabel="speed ($z_c / t_c$)", ylabel="memory capacity, corrected total")
+        ax.set(xlim=(0, None), ylim=(0, 1.08 * points[:, 1].max()))
         ax.legend(loc="upper right")
     return cast("Figure", ax.get_figure(root=True))
 

@@ -172,10 +172,13 @@ class _Keeper(BaseCallback):
 
     def _on_step(self) -> bool:
         self._on_progress(self.num_timesteps)
-        if self.num_timesteps >= self._next:
-            self._next += self._interval
-            self.keep()
         return True
+
+    def _on_rollout_start(self) -> None:
+        # Here the policy is fresh from an update; it does not change within a rollout.
+        if self.num_timesteps >= self._next:
+            self._next = self.num_timesteps + self._interval
+            self.keep()
 
     def keep(self) -> None:
         """Evaluate the policy, write down how it did, and save it."""

@@ -1,0 +1,78 @@
+"""The command line: what it prints, and that it refuses in one line."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from stickslip.commands import run
+
+
+def refuse(capsys, *arguments):
+    """Run a command that must be refused, and return the line it printed."""
+    assert run(list(arguments)) != 0
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "Traceback" not in captured.err
+    (line,) = captured.err.strip().splitlines()
+    return line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--dither", "0.7"], "error: dither must be in [0, 0.5], got 0.7"),
+        (["--dither", "0"], "error: dither must be in (0, 0.5] where memory_weight = 0.5 > 0, got 0.0"),
+        (["--memory-weight", "2"], "error: memory_weight must be in [0, 1], got 2.0"),
+        (["--hold", "nan"], "error: hold must be in (0, inf), got nan"),
+        (["--groups", "octopus"], "error: groups must be one of the presets ["),
+        (["--groups", '{"duffing": -1}'], "error: duffing must be in [0, inf), got -1"),
+        (["--groups", '{"duffing": '], "error: --groups must be a JSON object, got '{\"duffing\": '"),
+        (["--env-kwargs", "[1]"], "error: --env-kwargs must be a JSON object, got '[1]'"),
+        (["--env-kwargs", '{"wheels": 4}'], "error: "),
+        (["--algorithm", "magic"], "error: algorithm must be one of ['ppo'], got 'magic'"),
+        (["--hyperparameters", "/nowhere.yml"], "error: [Errno 2] No such file or directory: '/nowhere.yml'"),
+    ],
+)
+def test_training_is_refused_in_one_line(capsys, tmp_path, arguments, message):
+    line = refuse(capsys, "train", "--output", str(tmp_path / "run"), *arguments)
+    assert line.startswith(message)
+    assert not (tmp_path / "run").exists()
+
+
+def test_an_output_that_cannot_be_written_is_refused_in_one_line(capsys, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    for command in (["train", "--dither", "0.1"], ["demo"]):
+        line = refuse(capsys, *command, "--output", str(tmp_path / "file" / "run"))
+        assert line.startswith("error: ")
+        assert str(tmp_path / "file") in line
+
+
+def test_an_evaluation_of_nothing_is_refused_in_one_line(capsys, tmp_path):
+    assert refuse(capsys, "evaluate", str(tmp_path)).startswith("error: run must be a folder with a configuration.yml")
+
+
+def test_what_is_not_understood_is_told_apart(capsys):
+    assert run(["crawl"]) == 2
+    assert run(["train", "--output", "x", "--steps", "many"]) == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_a_policy_is_trained_resumed_and_evaluated(capsys, tmp_path):
+    folder = str(tmp_path / "run")
+    command = ["train", "--output", folder, "--memory-weight", "0", "--dither", "0", "--steps", "100"]
+    assert run(command) == 0
+    assert "best policy: " in capsys.readouterr().out
+    assert run(command) == 1
+    assert "holds a run already" in capsys.readouterr().err
+    assert run([*command, "--resume"]) == 0
+    capsys.readouterr()
+    assert run(["evaluate", folder, "--steps", "1000", "--no-video"]) == 0
+    assert "speed" in capsys.readouterr().out
+
+
+def test_the_program_is_installed():
+    program = os.path.join(os.path.dirname(sys.executable), "stickslip")
+    shown = subprocess.run([program, "--help"], capture_output=True, text=True, check=True)
+    assert {"demo", "train", "evaluate"} <= set(shown.stdout.split())

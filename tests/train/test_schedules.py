@@ -1,0 +1,68 @@
+"""Open-loop schedules: the words, what they come to, and their front."""
+
+import numpy as np
+import pytest
+
+from stickslip.crawler import Groups, Scene
+from stickslip.train.schedules import necklaces, pareto_front, performance, repeat
+
+
+def moreau(n):
+    """Number of Lyndon words of n bits: sum over d | n of mobius(n / d) 2^d, over n."""
+    mobius = {1: 1, 2: -1, 3: -1, 4: 0, 5: -1, 6: 1, 7: -1, 8: 0, 9: 0}
+    return sum(mobius[n // d] * 2**d for d in range(1, n + 1) if n % d == 0) // n
+
+
+def test_there_is_one_word_for_each_schedule():
+    words = list(necklaces(9))
+    assert [sum(len(word) == n for word in words) for n in range(1, 10)] == [moreau(n) for n in range(1, 10)]
+    endless = {min((word * 2520)[shift : shift + 2520] for shift in range(len(word))) for word in words[:40]}
+    assert len(endless) == 40
+
+
+def test_a_word_is_repeated_and_flipped_at_the_rate_asked_for():
+    command, valve = repeat("110", 30_000, dither=0.1, seed=3)
+    assert command[:7].tolist() == [1, 1, 0, 1, 1, 0, 1]
+    assert np.mean(command != valve) == pytest.approx(0.1, abs=4 * np.sqrt(0.09 / 30_000))
+    assert np.array_equal(*repeat("110", 50))
+
+
+@pytest.mark.parametrize("word", ["", "102", "ab"])
+def test_words_of_other_letters_are_refused(word):
+    with pytest.raises(ValueError, match="word must be made of 0 and 1"):
+        repeat(word, 10)
+
+
+def speed(word, holds):
+    command, valve = repeat(word, holds)
+    return performance(command, valve, dither=0.0, groups=Groups(), hold=0.5, scene=Scene()).speed
+
+
+def test_the_best_open_loop_speed_is_the_one_stated():
+    # Between two long runs the start from rest cancels.
+    distance = speed("11100", 10_000) * 5_000 - speed("11100", 5_000) * 2_500
+    assert distance / 2_500 == pytest.approx(1.0615, abs=1e-4)
+    assert max(necklaces(7), key=lambda word: speed(word, 1_000)) == "11100"
+
+
+def test_memory_is_measured_where_there_are_flips_only():
+    arguments = {"groups": Groups(), "hold": 0.5, "scene": Scene()}
+    command, valve = repeat("0", 4000, dither=0.1, seed=1)
+    shut = performance(command, valve, dither=0.1, **arguments)
+    assert shut.memory.corrected > 3.0
+    assert performance(command, command, dither=0.0, **arguments).memory is None
+    assert performance(command, command, dither=0.0, **arguments).speed == 0.0
+
+
+def test_the_front_holds_what_nothing_beats():
+    points = np.array([[0.0, 3.0], [1.0, 2.0], [1.0, 1.0], [0.5, 2.0], [2.0, 0.0], [0.0, 3.0]])
+    assert points[pareto_front(points)].tolist() == [[2.0, 0.0], [1.0, 2.0], [0.0, 3.0]]
+
+
+def test_every_point_is_beaten_by_or_on_the_front():
+    points = np.random.default_rng(0).random((200, 2))
+    front = points[pareto_front(points)]
+    for point in points:
+        assert any((corner >= point).all() for corner in front)
+    for corner in front:
+        assert not any((point >= corner).all() and (point > corner).any() for point in points)
