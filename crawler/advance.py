@@ -33,6 +33,8 @@ FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
 # About a second of work, a thousand times what the default crawler needs for a hold of 100.
 MAX_STEPS = 1_000_000
 _POLISHINGS = 8
+# No body stretches so far; beyond, the squares of the motion would soon overflow, and float32 observations before them.
+_FARTHEST = 1e30
 
 
 class Control(NamedTuple):
@@ -130,7 +132,7 @@ def advance(
 
         pressure = valve + (opening_pressure - valve) * math.exp(-reached * physics.lag_rate)
         following = _at(body, physics, pressure, control.order, length, series)
-        if not math.isfinite(following.deformation + following.velocity + following.foot):
+        if not abs(following.deformation) + abs(following.velocity) < _FARTHEST:
             return Outcome(DIVERGED, elapsed, logged, body, ledger)
         if control.energy:
             ledger = _account(ledger, body, following, physics, control.order, length, series)

@@ -6,9 +6,9 @@ from typing import Any
 
 from ..validation import number_within
 
-__all__ = ["PRESETS", "Groups"]
+__all__ = ["PRESETS", "RANGES", "Groups"]
 
-_RANGES = {
+RANGES = {
     "duffing": "[0, inf)",
     "damping_ratio": "[0, inf)",
     "deborah": "(0, inf)",
@@ -61,7 +61,7 @@ class Groups:
     kinetic_friction: float = 0.2
 
     def __post_init__(self) -> None:
-        for name, allowed in _RANGES.items():
+        for name, allowed in RANGES.items():
             object.__setattr__(self, name, number_within(name, getattr(self, name), allowed))
         if self.kinetic_friction > self.static_friction:
             raise ValueError(

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from ..crawler import Groups, Scene
 from ..crawler.advance import FINISHED
 from ..crawler.body import STUCK
-from ..crawler.simulation import HOLDS, solver_error, TOLERANCES
+from ..crawler.groups import RANGES
+from ..crawler.simulation import solver_error, TOLERANCES
 from ..crawler.taylor import ROWS, WIDTH
 from ..reservoir.prequential import PrequentialMemory
 from ..validation import number_within, whole_number
@@ -22,8 +23,13 @@ from .stepping import hold_valve, rest, settings
 
 __all__ = ["StickSlipCrawlerEnv"]
 
-# Random commands that calibrate the memory readout: enough for the scale of each feature to a percent.
+# Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
+_HOLDS = "(0, 10000]"
+# Random commands that calibrate the memory readout, enough for the scale of each feature to a few percent; fewer
+# where holds are long, but never fewer than this many.
 _CALIBRATION = 2000
+_CALIBRATION_TIME = 20_000.0
+_LEAST_CALIBRATION = 100
 _CALIBRATION_SEED = 0
 # Flips are drawn from the generator this many at a time, which costs a tenth of drawing each alone.
 _BLOCK = 256
@@ -103,7 +109,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     |-----------------|----------------|---------|------------------------------------------------------------|
     | `groups`        | str or mapping | None    | a preset's name, or the groups that differ from the defaults |
     | `scene`         | mapping        | None    | `anchored`, `ratchet`: what differs from the default scene |
-    | `hold`          | float          | 0.5     | length of a step, t_c, > 0                                  |
+    | `hold`          | float          | 0.5     | length of a step, t_c, in (0, 10000]                        |
     | `tolerance`     | float          | 1e-6    | of the solver, 1e-15 to 1e-2                                |
     | `dither`        | float          | 0.1     | probability of a flip, 0 to 1/2                             |
     | `memory_weight` | float          | 0.5     | share of memory in the reward, 0 to 1; above 0 needs dither |
@@ -137,7 +143,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     ) -> None:
         self.groups = Groups.of(groups)
         self.scene = Scene.of(scene)
-        self.hold = number_within("hold", hold, HOLDS)
+        self.hold = number_within("hold", hold, _HOLDS)
         self.tolerance = number_within("tolerance", tolerance, TOLERANCES)
         self.dither = number_within("dither", dither, "[0, 0.5]")
         self.memory_weight = number_within("memory_weight", memory_weight, "[0, 1]")
@@ -161,7 +167,6 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         )
 
         self._samples = np.empty((5, self.virtual_nodes))
-        self._states = self._samples[:3].reshape(-1)
         self._series = np.empty((ROWS, WIDTH))
         self._memory: PrequentialMemory | None = None
         self._renderer: Renderer | None = None
@@ -234,7 +239,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
             raise ResetNeeded("step needs a call of reset first")
         command = self._command(action)
         valve = command ^ self._flip()
-        start = body[_FOOT]
+        start = float(body[_FOOT])
         status, elapsed = hold_valve(body, self._fixed, valve, self._samples, self._series)
         if status != FINISHED:
             self._body = None
@@ -245,7 +250,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         deformation, velocity, pressure, foot, foot_velocity, motion, slips = body.tolist()
         speed = (foot - start) / self.hold
         innovation = valve - abs(command - self.dither)
-        memory = 0.0 if self._memory is None else self._memory.score(self._states, innovation)
+        memory = 0.0 if self._memory is None else self._memory.score(self._samples[:3].reshape(-1), innovation)
         reward = (1.0 - self.memory_weight) * speed + self.memory_weight * memory
         if self.render_mode is not None:
             self._frame = Frame(
@@ -303,6 +308,10 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
             self._renderer.close()
             self._renderer = None
 
+    def __getstate__(self) -> dict[str, Any]:
+        # A window cannot be copied; the copy opens its own.
+        return {**self.__dict__, "_renderer": None}
+
     def _flip(self) -> bool:
         """Whether the next command is flipped."""
         if self.dither == 0.0:
@@ -324,17 +333,19 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
 
     def _calibrate(self) -> PrequentialMemory:
         """Memory readout that has seen this body under random commands, dithered as in the episodes."""
+        affordable = int(min(_CALIBRATION_TIME / self.hold, _CALIBRATION))
+        holds = self.delays + max(affordable, _LEAST_CALIBRATION)
         generator = np.random.default_rng(_CALIBRATION_SEED)
-        commands = generator.integers(0, 2, _CALIBRATION)
-        valves = commands ^ (generator.random(_CALIBRATION) < self.dither)
-        states = np.empty((_CALIBRATION, self._states.size))
+        commands = generator.integers(0, 2, holds)
+        valves = commands ^ (generator.random(holds) < self.dither)
+        states = np.empty((holds, self._samples[:3].size))
         fixed = settings(self.groups, self.scene, self.hold, self.tolerance)
         body = rest()
         for k, valve in enumerate(valves.tolist()):
             status, elapsed = hold_valve(body, fixed, valve, self._samples, self._series)
             if status != FINISHED:
                 raise solver_error(status, k * self.hold + elapsed, float(body[0]), self.groups, self.tolerance)
-            states[k] = self._states
+            states[k] = self._samples[:3].reshape(-1)
         return PrequentialMemory(
             states,
             valves - np.abs(commands - self.dither),
@@ -347,16 +358,27 @@ def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> 
     """Ranges to draw from, in the order of the groups' fields, after a look at both ends of each."""
     if randomize is None:
         return {}
+    if not isinstance(randomize, Mapping):
+        raise TypeError(f"randomize must be a mapping of group to (low, high), got {randomize!r}")
     known = groups.to_dict()
     for name, given in randomize.items():
         if name not in known:
             raise ValueError(f"randomize has no group {name!r}; allowed are {sorted(known)}")
-        if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2 or not given[0] <= given[1]:
-            raise ValueError(f"randomize {name} must be a pair (low, high) with low <= high, got {given!r}")
-    ranges = {name: (float(randomize[name][0]), float(randomize[name][1])) for name in known if name in randomize}
-    lows = {**known, **{name: low for name, (low, _) in ranges.items()}}
-    highs = {**known, **{name: high for name, (_, high) in ranges.items()}}
-    # A group's ends are in range together with the worst of the friction that the other end could be drawn with.
-    Groups(**{**lows, "kinetic_friction": highs["kinetic_friction"]})
-    Groups(**highs)
+        if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
+            raise ValueError(f"randomize {name} must be a pair (low, high), got {given!r}")
+    ranges = {}
+    for name in known:
+        if name in randomize:
+            low, high = (number_within(f"randomize {name}", end, RANGES[name]) for end in randomize[name])
+            if low > high:
+                raise ValueError(f"randomize {name} must be a pair with low <= high, got {randomize[name]!r}")
+            ranges[name] = (low, high)
+    # The one range that depends on another group: the worst draw of both is refused here, not in some later episode.
+    Groups(
+        **{
+            **known,
+            "static_friction": ranges.get("static_friction", (groups.static_friction,))[0],
+            "kinetic_friction": ranges.get("kinetic_friction", (groups.kinetic_friction,))[-1],
+        }
+    )
     return ranges

@@ -4,8 +4,8 @@ Step k earns sum_d (e^2 - (e - ehat)^2) / Var e with e = e_{k-d} and ehat predic
 learned, so that its mean tends to the memory capacity of the readout. The score is honest at every step: a
 prediction that is worse than none costs.
 
-A readout that starts knowing nothing pays for its ignorance for about (features x delays) steps, which over an episode
-of 1000 hides half of the capacity. This one starts as if it had already seen a few samples of a calibration run;
+A readout that starts knowing nothing pays for its ignorance, which over an episode of 1000 steps hides a quarter of the
+capacity. This one starts as if it had already seen a few samples of a calibration run;
 `benchmarks/memory_reward.py` measures what that is worth.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array, whole_number
+from ..validation import finite_array, number_within, whole_number
 from .recursive_least_squares import predict_then_learn
 
 __all__ = ["PrequentialMemory"]
@@ -55,7 +55,8 @@ class PrequentialMemory:
             raise ValueError(
                 f"states and message must have one length above delays = {delays}, got {len(states)} and {len(message)}"
             )
-        self._variance = variance
+        self._variance = number_within("variance", variance, "(0, inf)")
+        weight = number_within("weight", weight, "(0, inf)")
         self._centre = states.mean(axis=0)
         spread = states.std(axis=0)
         self._scale = 1.0 / np.where(spread > 0.0, spread, 1.0)

@@ -142,7 +142,8 @@ def test_a_graze_of_a_nonlinear_crawler_found_by_bisection():
         return verdict.slips
 
     low, high = 0.5, 5.0
-    assert (pull(low) > 0) and pull(high) == 0
+    assert pull(low) > 0
+    assert pull(high) == 0
     for _ in range(36):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if pull(middle) else (low, middle)
@@ -317,7 +318,7 @@ def closed_form(groups, valve, hold, mass, samples_per_hold):
 @pytest.mark.parametrize("deborah", [0.05, 0.5, 5.0])
 def test_anchored_and_linear_is_a_driven_oscillator(damping, deborah):
     groups = Groups(**BOUNCER | {"damping_ratio": damping, "deborah": deborah})
-    valve = WORD + [1, 0, 1, 1, 0]
+    valve = [*WORD, 1, 0, 1, 1, 0]
     done = run(groups, valve, 0.7, scene=Scene(anchored=True), samples_per_hold=3, tolerance=1e-14)
     z, v = closed_form(groups, valve, 0.7, 1.0 - groups.foot_mass_fraction, 3)
     np.testing.assert_allclose(done.deformation, z, rtol=0, atol=1e-12)
