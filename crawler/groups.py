@@ -17,6 +17,7 @@ RANGES = {
     "static_friction": "[0, inf)",
     "kinetic_friction": "[0, inf)",
 }
+"""Values that each group may take, in the usual notation; `kinetic_friction` at most `static_friction` besides."""
 
 
 @dataclass(frozen=True, slots=True)

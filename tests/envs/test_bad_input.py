@@ -48,7 +48,7 @@ NAN, INF = float("nan"), float("inf")
         ({"randomize": {"duffing": 1.0}}, ValueError, "randomize duffing must be a pair *, got 1.0"),
         ({"randomize": {"duffing": [0, 1, 2]}}, ValueError, "randomize duffing must be a pair *, got [0, 1, 2]"),
         ({"randomize": {"duffing": [NAN, 1]}}, ValueError, "randomize duffing must be in [0, inf), got nan"),
-        ({"randomize": {"duffing": [-1, 1]}}, ValueError, "*duffing must be in [0, inf), got -1.0"),
+        ({"randomize": {"duffing": [-1, 1]}}, ValueError, "randomize duffing must be in [0, inf), got -1"),
         ({"randomize": {"duffing": [0, INF]}}, ValueError, "randomize duffing must be in [0, inf), got inf"),
         ({"randomize": {"foot_mass_fraction": [0.1, 1]}}, ValueError, "*foot_mass_fraction must be in (0, 1), got 1*"),
         (
