@@ -1,0 +1,154 @@
+"""What `simulate` refuses, and how it says so."""
+
+import numpy as np
+import pytest
+
+from stickslip.crawler import Groups, Scene, simulate, SolverError, State
+from stickslip.crawler.advance import advance, control_for, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS
+from stickslip.crawler.body import Body, Ledger, physics, STUCK
+from stickslip.crawler.simulation import solver_error
+from stickslip.crawler.taylor import ROWS, WIDTH
+
+REFUSED = [
+    ("valve", {"valve": [0, 2]}, ValueError, r"valve must hold only 0 and 1"),
+    ("valve", {"valve": [0.5]}, ValueError, r"valve must hold only 0 and 1"),
+    ("valve", {"valve": [np.nan]}, ValueError, r"valve must hold only 0 and 1"),
+    ("valve", {"valve": [-1]}, ValueError, r"valve must hold only 0 and 1"),
+    ("valve", {"valve": ["1"]}, ValueError, r"valve must hold only 0 and 1"),
+    ("valve", {"valve": [None]}, ValueError, r"valve must hold only 0 and 1"),
+    ("valve", {"valve": [1j]}, ValueError, r"valve must hold only 0 and 1"),
+    ("valve", {"valve": []}, ValueError, r"\(holds,\) or \(batch, holds\).*\(0,\)"),
+    ("valve", {"valve": [[]]}, ValueError, r"\(holds,\) or \(batch, holds\).*\(1, 0\)"),
+    ("valve", {"valve": 1}, ValueError, r"\(holds,\) or \(batch, holds\)"),
+    ("valve", {"valve": np.zeros((2, 2, 2))}, ValueError, r"\(holds,\) or \(batch, holds\).*\(2, 2, 2\)"),
+    *[("hold", {"hold": bad}, ValueError, r"\(0, inf\), got ") for bad in (0, 0.0, -1.0, np.inf, np.nan)],
+    ("hold", {"hold": "long"}, TypeError, r"\(0, inf\), got 'long'"),
+    ("hold", {"hold": None}, TypeError, r"\(0, inf\), got None"),
+    *[
+        ("tolerance", {"tolerance": bad}, ValueError, r"\[1e-15, 0.01\], got ")
+        for bad in (0.0, -1e-9, 9e-16, 0.011, np.nan, np.inf)
+    ],
+    ("tolerance", {"tolerance": "fine"}, TypeError, r"\[1e-15, 0.01\], got 'fine'"),
+    ("solver", {"solver": "rk4"}, ValueError, r"'auto', 'taylor'.*got 'rk4'"),
+    ("solver", {"solver": None}, ValueError, r"'auto', 'taylor'.*got None"),
+    *[("samples_per_hold", {"samples_per_hold": bad}, ValueError, r">= 1, got ") for bad in (0, -3)],
+    *[("samples_per_hold", {"samples_per_hold": bad}, TypeError, r">= 1, got ") for bad in (True, 1.0, "2", None)],
+    ("groups", {"groups": []}, TypeError, r"Groups"),
+    ("groups", {"groups": [Groups(), 3]}, TypeError, r"Groups"),
+    ("groups", {"groups": [Groups()] * 3, "valve": [[0], [1]]}, ValueError, r"valve.*3 and 2"),
+    ("scene", {"scene": "anchored"}, TypeError, r"got 'anchored'"),
+    ("scene", {"scene": {"slope": 1.0}}, ValueError, r"'slope'.*anchored"),
+]
+
+
+@pytest.mark.parametrize(("name", "change", "error", "says"), REFUSED)
+def test_refuses_in_one_line_that_names_the_argument(name, change, error, says):
+    arguments = {"groups": Groups(), "valve": [1, 0], "hold": 1.0} | change
+    with pytest.raises(error, match=says) as caught:
+        simulate(arguments.pop("groups"), arguments.pop("valve"), arguments.pop("hold"), **arguments)
+    assert name in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("field", State._fields)
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_refuses_an_initial_state_that_is_not_finite(field, bad):
+    with pytest.raises(ValueError, match=rf"initial {field} must be finite"):
+        simulate(Groups(), [1], 1.0, initial=State(**{field: bad}))
+
+
+@pytest.mark.parametrize("bad", [-1e-9, 1.0 + 1e-9])
+def test_refuses_an_initial_pressure_out_of_range(bad):
+    with pytest.raises(ValueError, match=r"initial pressure must be in \[0, 1\]"):
+        simulate(Groups(), [1], 1.0, initial=State(pressure=bad))
+
+
+@pytest.mark.parametrize(
+    ("scene", "speed"), [(Scene(), -0.1), (Scene(anchored=True), 0.1), (Scene(anchored=True, ratchet=False), -0.1)]
+)
+def test_refuses_a_foot_that_moves_where_it_cannot(scene, speed):
+    with pytest.raises(ValueError, match="initial foot_velocity must be in"):
+        simulate(Groups(), [1], 1.0, scene=scene, initial=State(foot_velocity=speed))
+
+
+@pytest.mark.parametrize("valve", [[True, False], [1.0, 0.0], np.array([1, 0], np.uint8), (1, 0)])
+def test_takes_any_array_of_zeros_and_ones(valve):
+    np.testing.assert_array_equal(simulate(Groups(), valve, 1.0).valve, [1, 0])
+
+
+@pytest.mark.parametrize("tolerance", [1e-15, 1e-2])
+def test_takes_the_ends_of_the_tolerance_range(tolerance):
+    assert np.isfinite(simulate(Groups(), [1, 0], 1.0, tolerance=tolerance).foot).all()
+
+
+def test_a_batch_that_fails_raises_rather_than_return_garbage():
+    with pytest.raises(SolverError, match=r"radial_coupling=2\.0"):
+        simulate([Groups(), Groups(duffing=0.0, radial_coupling=2.0)], [1], 1e3)
+
+
+# What the kernel reports
+
+
+def kernel(groups, hold, *, events=8, body=None, **control):
+    return advance(
+        body or Body(0.0, 0.0, 0.0, 0.0, 0.0, STUCK, 0),
+        Ledger(0.0, 0.0, 0.0),
+        physics(groups, Scene()),
+        1.0,
+        hold,
+        control_for(1e-9, **control),
+        0.0,
+        np.empty((5, 1)),
+        np.empty((events, 2)),
+        np.empty((ROWS, WIDTH)),
+    )
+
+
+def test_a_spent_step_budget_is_reported_with_time_and_remedy():
+    outcome = kernel(Groups(), 100.0, max_steps=5)
+    assert outcome.status == OUT_OF_STEPS
+    assert 0.0 < outcome.elapsed < 100.0
+    error = solver_error(outcome.status, outcome.elapsed, outcome.body.deformation, Groups(), 1e-9)
+    for part in (f"{outcome.elapsed:.6g}", "step budget", "Groups(", "1e-09", "shorter hold", "looser tolerance"):
+        assert part in str(error)
+
+
+def test_a_budget_just_large_enough_is_enough():
+    steps = next(n for n in range(1, 10_000) if kernel(Groups(), 10.0, max_steps=n).status == FINISHED)
+    assert steps > 1
+    assert kernel(Groups(), 10.0, max_steps=steps - 1).status == OUT_OF_STEPS
+
+
+def test_a_log_that_is_full_is_reported_and_none_needed_without_log():
+    pulled = Body(1.0, 0.0, 0.0, 0.0, 0.0, STUCK, 0)
+    assert kernel(Groups(), 10.0, body=pulled, log=True, events=0).status == LOG_FULL
+    assert kernel(Groups(), 10.0, body=pulled, log=False, events=0).status == FINISHED
+
+
+def test_keeping_the_books_does_not_change_the_motion():
+    plain, kept = kernel(Groups(), 7.0), kernel(Groups(), 7.0, energy=True, log=True, events=64)
+    assert plain.body == kept.body
+    assert plain.ledger == (0.0, 0.0, 0.0)
+    assert kept.ledger.work > 0.0
+
+
+def test_divergence_is_a_status_of_its_own():
+    groups = Groups(duffing=0.0, radial_coupling=2.0)
+    assert kernel(groups, 1e4).status == DIVERGED
+
+
+def test_a_simulation_with_more_events_than_any_first_guess():
+    # A light foot on hardly any friction slips and stops a thousand times in one hold.
+    groups = Groups(
+        duffing=0.0,
+        damping_ratio=0.0,
+        radial_coupling=0.0,
+        foot_mass_fraction=0.01,
+        static_friction=0.01,
+        kinetic_friction=0.0001,
+    )
+    done = simulate(groups, [1], 400.0, scene=Scene(ratchet=False), initial=State(deformation=5.0))
+    assert len(done.events) > 200
+    assert done.slips == np.count_nonzero(done.events["motion"])
+    pieces = simulate(groups, [1] * 400, 1.0, scene=Scene(ratchet=False), initial=State(deformation=5.0))
+    np.testing.assert_array_equal(pieces.events["motion"], done.events["motion"])
