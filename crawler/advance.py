@@ -13,8 +13,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
-from .polynomial import first_descent, horner, horner_derivative
-from .taylor import expand, FORCE, order_for, P, SCRATCH, SQUARE, step_length, V, Z
+from .polynomial import first_descent, horner, horner_derivative, LARGEST_DEGREE
+from .taylor import expand, FORCE, order_for, P, SCRATCH, step_length, V, Z
 
 __all__ = [
     "DIVERGED",
@@ -33,8 +33,18 @@ FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
 # About a second of work, a thousand times what the default crawler needs for a hold of 100.
 MAX_STEPS = 1_000_000
 _POLISHINGS = 8
+# Least braking force, above the rounding of a force, that tells a foot coming to rest from one breaking loose.
+_BRAKING = 1e-12
 # No body stretches so far; beyond, the squares of the motion would soon overflow, and float32 observations before them.
 _FARTHEST = 1e30
+
+# Row m: nodes and weights of the m-point Gauss-Legendre rule on [0, 1].
+_MOST_NODES = LARGEST_DEGREE // 2 + 2
+_NODES = np.zeros((_MOST_NODES + 1, _MOST_NODES))
+_WEIGHTS = np.zeros((_MOST_NODES + 1, _MOST_NODES))
+for _count in range(1, _MOST_NODES + 1):
+    _x, _w = np.polynomial.legendre.leggauss(_count)
+    _NODES[_count, :_count], _WEIGHTS[_count, :_count] = 0.5 * (1.0 + _x), 0.5 * _w
 
 
 class Control(NamedTuple):
@@ -62,7 +72,7 @@ def control_for(tolerance: float, *, energy: bool = False, log: bool = False, ma
     return Control(tolerance, order_for(tolerance), max_steps, energy, log)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def advance(
     body: Body,
     ledger: Ledger,
@@ -151,7 +161,7 @@ def advance(
     return Outcome(OUT_OF_STEPS, elapsed, logged, body, ledger)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _at(body: Body, physics: Physics, pressure: float, order: int, t: float, series: NDArray[np.float64]) -> Body:
     """State a time `t` into the step; the foot by momentum."""
     z = horner(series[Z], order + 1, t)
@@ -163,18 +173,25 @@ def _at(body: Body, physics: Physics, pressure: float, order: int, t: float, ser
         payload = physics.payload_fraction
         momentum = body.foot_velocity + payload * body.velocity
         foot += (momentum - 0.5 * drag * t) * t - payload * (z - body.deformation)
-        foot_velocity = momentum - drag * t - payload * v
+        foot_velocity = _foot_velocity(body, physics, v, t)
     return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _foot_velocity(body: Body, physics: Physics, velocity: float, t: float) -> float:
+    """Velocity of the sliding foot a time `t` into the step, when the body stretches at the rate `velocity`."""
+    gained = physics.payload_fraction * (body.velocity - velocity)
+    return body.foot_velocity + gained - body.motion * physics.kinetic_friction * t
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _change_motion(body: Body, motion: int) -> Body:
     """The state just after the foot breaks loose or stops."""
     slips = body.slips if motion == STUCK else body.slips + 1
     return Body(body.deformation, body.velocity, body.pressure, body.foot, 0.0, motion, slips)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _next_event(
     body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
 ) -> tuple[float, int]:
@@ -200,7 +217,10 @@ def _next_event(
             moment = descent
             motion = direction if stuck else STUCK
     if moment > length:
-        return length, body.motion
+        if stuck or not _rests_at_end(body, physics, order, length, series):
+            return length, body.motion
+        moment = length
+        motion = STUCK
     if not (stuck or physics.ratchet):
         # A foot that comes to rest under too great a push turns round at once.
         push = body.motion * horner(series[FORCE], order, moment)
@@ -209,7 +229,20 @@ def _next_event(
     return moment, motion
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _rests_at_end(body: Body, physics: Physics, order: int, length: float, series: NDArray[np.float64]) -> bool:
+    """Whether rounding alone has hidden that the sliding foot comes to rest as the step ends.
+
+    A foot at rest in the next step would be taken for one that has just broken loose, which drag does not hold back.
+    """
+    velocity = horner(series[V], order + 1, length)
+    if body.motion * _foot_velocity(body, physics, velocity, length) > 0.0:
+        return False
+    braking = body.motion * horner(series[FORCE], order, length) + physics.kinetic_friction
+    return braking > _BRAKING
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
     """Write the margin s + F (forward) or s - F by which the resting foot holds; return its degree."""
     margin = series[SCRATCH]
@@ -219,7 +252,7 @@ def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float
     return order
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _slide(body: Body, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
     """Write the sliding foot's speed, from the momentum; return its degree."""
     speed = series[SCRATCH]
@@ -239,7 +272,7 @@ def _slide(body: Body, physics: Physics, order: int, series: NDArray[np.float64]
     return order - 1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _polish(
     moment: float,
     direction: int,
@@ -270,7 +303,7 @@ def _polish(
     return moment
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _account(
     ledger: Ledger,
     before: Body,
@@ -280,34 +313,24 @@ def _account(
     length: float,
     series: NDArray[np.float64],
 ) -> Ledger:
-    """Add one step's energies.
+    """Add one step's energies: int p (1 + Pi5 z) v dt (equation S28), int 2 Pi2 v^2 dt, and drag times distance.
 
-    The pressure does W = int p dq with q = z + Pi5 z^2 / 2, taken by parts so that one product of series serves:
-    W = [p q] - int p' q dt (equation S28).
+    A product of two series oscillates twice as fast as either, so that truncating it at their order would cost most
+    of their accuracy. Gauss-Legendre quadrature of the truncated series on order / 2 + 2 nodes costs as much and loses
+    nothing.
     """
-    z, v, p, square = series[Z], series[V], series[P], series[SQUARE]
-    stretch = series[SCRATCH]
-    half = 0.5 * physics.radial_coupling
-    for n in range(order):
-        stretch[n] = z[n] + half * square[n]
-    by_parts = 0.0
+    nodes = order // 2 + 2
+    work = 0.0
     viscous = 0.0
-    power = length
-    for n in range(order):
-        release = 0.0
-        heat = 0.0
-        for i in range(n + 1):
-            release += (i + 1) * p[i + 1] * stretch[n - i]
-            heat += v[i] * v[n - i]
-        weight = power / (n + 1)
-        by_parts += release * weight
-        viscous += heat * weight
-        power *= length
-    entered = before.pressure * (before.deformation + half * before.deformation**2)
-    left = after.pressure * (after.deformation + half * after.deformation**2)
-    slid = abs(after.foot - before.foot)
+    for i in range(nodes):
+        t = length * _NODES[nodes, i]
+        z = horner(series[Z], order + 1, t)
+        v = horner(series[V], order + 1, t)
+        p = horner(series[P], order, t)
+        work += _WEIGHTS[nodes, i] * p * (1.0 + physics.radial_coupling * z) * v
+        viscous += _WEIGHTS[nodes, i] * v * v
     return Ledger(
-        ledger.work + (left - entered - by_parts),
-        ledger.viscous + physics.damping * viscous,
-        ledger.friction + physics.kinetic_friction * slid,
+        ledger.work + length * work,
+        ledger.viscous + length * physics.damping * viscous,
+        ledger.friction + physics.kinetic_friction * abs(after.foot - before.foot),
     )

@@ -27,7 +27,7 @@ _BINOMIAL = np.array(
 )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def horner(coefficients: NDArray[np.float64], degree: int, t: float) -> float:
     """Value at `t` of the polynomial with the given ascending coefficients."""
     value = coefficients[degree]
@@ -36,7 +36,7 @@ def horner(coefficients: NDArray[np.float64], degree: int, t: float) -> float:
     return value
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def horner_derivative(coefficients: NDArray[np.float64], degree: int, t: float) -> float:
     """Derivative at `t` of the polynomial with the given ascending coefficients."""
     slope = degree * coefficients[degree]
@@ -45,7 +45,7 @@ def horner_derivative(coefficients: NDArray[np.float64], degree: int, t: float) 
     return slope
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def first_descent(coefficients: NDArray[np.float64], degree: int, length: float) -> float:
     """First time in [0, length] from which a polynomial is negative.
 
@@ -95,7 +95,7 @@ def first_descent(coefficients: NDArray[np.float64], degree: int, length: float)
     return length * _isolate(unit, degree, noise)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _isolate(unit: NDArray[np.float64], degree: int, noise: float) -> float:
     """First descent below `-noise` in [0, 1], or inf."""
     pending = np.empty((_DEEPEST + 2, degree + 1))
@@ -141,12 +141,14 @@ def _isolate(unit: NDArray[np.float64], degree: int, noise: float) -> float:
     return np.inf
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _bracketed_root(coefficients: NDArray[np.float64], degree: int, noise: float, low: float, high: float) -> float:
     """Where the polynomial passes `-noise`, once, between `low` and `high`: Newton kept inside the bracket."""
     above = horner(coefficients, degree, low) + noise
     below = horner(coefficients, degree, high) + noise
     t = low + (high - low) * (above / (above - below))
+    if not low < t < high:  # the values at the ends are themselves rounding
+        t = 0.5 * (low + high)
     for _ in range(_REFINEMENTS):
         value = horner(coefficients, degree, t) + noise
         if abs(value) <= 0.25 * noise:

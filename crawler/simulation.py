@@ -158,7 +158,7 @@ def _run(
         capacity *= 2
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def drive(
     body: Body,
     coefficients: Physics,

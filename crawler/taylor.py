@@ -46,7 +46,7 @@ def order_for(tolerance: float) -> int:
     return min(LARGEST_DEGREE, math.ceil(4.0 - 4.0 / 3.0 * math.log10(tolerance) - 1e-9))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def expand(body: Body, physics: Physics, valve: float, order: int, series: NDArray[np.float64]) -> None:
     """Fill `series` with Taylor coefficients about the present instant.
 
@@ -102,7 +102,7 @@ def expand(body: Body, physics: Physics, valve: float, order: int, series: NDArr
         z[n + 1] = v[n] * _RECIPROCAL[n + 1]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def step_length(order: int, tolerance: float, series: NDArray[np.float64]) -> float:
     """Longest step on which the last two terms of the acceleration stay below `tolerance`.
 

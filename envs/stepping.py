@@ -30,7 +30,7 @@ def settings(groups: Groups, scene: Scene, hold: float, tolerance: float) -> NDA
     return np.array([*physics(groups, scene), hold, control.tolerance, control.order, control.max_steps])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def hold_valve(
     body: NDArray[np.float64],
     fixed: NDArray[np.float64],

@@ -110,7 +110,7 @@ class PrequentialMemory:
         )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def score(
     weights: NDArray[np.float64],
     covariance: NDArray[np.float64],

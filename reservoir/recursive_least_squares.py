@@ -22,7 +22,7 @@ from ..validation import finite_array, number_within, whole_number
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def predict(weights: Array, features: Array, prediction: Array) -> None:
     """Write ``weights @ features`` into `prediction`.
 
@@ -40,7 +40,7 @@ def predict(weights: Array, features: Array, prediction: Array) -> None:
         prediction[output] = total
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def predict_then_learn(
     weights: Array,
     covariance: Array,

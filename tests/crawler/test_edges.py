@@ -227,9 +227,10 @@ def test_two_events_very_close_together(gap):
     assert 0.5 * gap < np.diff(done.events["time"])[0] < 20.0 * gap
 
 
-@pytest.mark.parametrize("event", range(6))
-@pytest.mark.parametrize("ratchet", [True, False])
-def test_an_event_exactly_at_a_holds_end(event, ratchet):
+@pytest.mark.parametrize(
+    ("ratchet", "event"), [(ratchet, event) for ratchet, count in ((True, 4), (False, 6)) for event in range(count)]
+)
+def test_an_event_exactly_at_a_holds_end(ratchet, event):
     groups, options = Groups(static_friction=0.1, kinetic_friction=0.05), {"scene": Scene(ratchet=ratchet)}
     options |= {"initial": State(deformation=1.2), "tolerance": 1e-15}
     moment = float(run(groups, [0], 20.0, **options).events["time"][event])
@@ -256,14 +257,14 @@ def test_a_slip_that_rounding_brings_to_rest_at_a_holds_end_does_not_start_again
         for ulps in range(-12, 1):
             hold = moment + ulps * np.spacing(moment)
             first = _advanced(groups, body._replace(deformation=initial.deformation), hold)
-            if first.body.motion != FORWARD or first.body.foot_velocity != 0.0:
+            if first.body.motion != FORWARD:
                 continue
             missed += 1
             second = _advanced(groups, first.body, 1e-3)
-            assert second.body.foot_velocity >= 0.0
+            assert second.body.motion == STUCK
+            assert second.body.foot_velocity == 0.0
             assert second.body.foot == pytest.approx(first.body.foot, abs=1e-15)
-    if not missed:
-        pytest.skip("no velocity rounds to zero: the solver tells the two apart by other means")
+    assert missed > 100
 
 
 def _advanced(groups, body, hold):

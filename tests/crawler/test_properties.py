@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
 
 holds = st.floats(0.05, 5.0)
+four_holds = st.lists(st.integers(0, 1), min_size=4, max_size=4)
 scenes = st.builds(Scene, anchored=st.just(False), ratchet=st.booleans())
 SAMPLED = ("deformation", "velocity", "pressure", "foot", "foot_velocity")
 

@@ -25,10 +25,10 @@ REFUSED = [
     ("hold", {"hold": "long"}, TypeError, r"\(0, inf\), got 'long'"),
     ("hold", {"hold": None}, TypeError, r"\(0, inf\), got None"),
     *[
-        ("tolerance", {"tolerance": bad}, ValueError, r"\[1e-15, 0.01\], got ")
+        ("tolerance", {"tolerance": bad}, ValueError, r"\[1e-15, 1e-2\], got ")
         for bad in (0.0, -1e-9, 9e-16, 0.011, np.nan, np.inf)
     ],
-    ("tolerance", {"tolerance": "fine"}, TypeError, r"\[1e-15, 0.01\], got 'fine'"),
+    ("tolerance", {"tolerance": "fine"}, TypeError, r"\[1e-15, 1e-2\], got 'fine'"),
     ("solver", {"solver": "rk4"}, ValueError, r"'auto', 'taylor'.*got 'rk4'"),
     ("solver", {"solver": None}, ValueError, r"'auto', 'taylor'.*got None"),
     *[("samples_per_hold", {"samples_per_hold": bad}, ValueError, r">= 1, got ") for bad in (0, -3)],

@@ -1,0 +1,114 @@
+"""Taylor coefficients, against mpmath, and the choice of order and step."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from stickslip.crawler import Groups, Scene
+from stickslip.crawler.body import BACKWARD, Body, FORWARD, physics, STUCK
+from stickslip.crawler.polynomial import LARGEST_DEGREE
+from stickslip.crawler.taylor import expand, FORCE, order_for, P, ROWS, SQUARE, step_length, V, WIDTH, Z
+
+ORDER = 12
+CASES = [
+    (Groups(), STUCK, 1.0),
+    (Groups(), FORWARD, 0.0),
+    (Groups(duffing=7.0, damping_ratio=0.4, deborah=0.2, radial_coupling=1.1), BACKWARD, 1.0),
+    (Groups(duffing=0.0, damping_ratio=0.0, radial_coupling=0.0, foot_mass_fraction=0.9), FORWARD, 1.0),
+]
+
+
+def expanded(groups, motion, valve, order=ORDER, state=(0.4, -0.3, 0.7)):
+    series = np.full((ROWS, WIDTH), np.nan)
+    body = Body(*state, 0.0, 0.0, motion, 0)
+    expand(body, physics(groups, Scene(ratchet=False)), valve, order, series)
+    return series
+
+
+@pytest.mark.parametrize(("groups", "motion", "valve"), CASES)
+def test_coefficients_are_those_of_mpmath(groups, motion, valve):
+    series = expanded(groups, motion, valve)
+    r = mpmath.mpf(groups.foot_mass_fraction)
+
+    def force(z, v, p):
+        area = 1 + groups.radial_coupling * z
+        return p * area - z - groups.duffing * z**3 - 2 * mpmath.mpf(groups.damping_ratio) * v
+
+    def rates(_, state):
+        # Payload and foot by their own equations of motion, the pressure by its own.
+        z, v, p = state[0] - state[1], state[2] - state[3], state[4]
+        pull = force(z, v, p)
+        foot = 0 if motion == STUCK else (-pull - motion * mpmath.mpf(groups.kinetic_friction)) / r
+        return [state[2], state[3], pull / (1 - r), foot, (valve - p) / mpmath.mpf(groups.deborah)]
+
+    with mpmath.workdps(60):
+        foot_rate = mpmath.mpf(0)
+        start = [mpmath.mpf(0.4), mpmath.mpf(0), mpmath.mpf(-0.3), foot_rate, mpmath.mpf(0.7)]
+        solution = mpmath.odefun(rates, 0, start, tol=mpmath.mpf(10) ** -45)
+        variables = {
+            Z: lambda s: s[0] - s[1],
+            V: lambda s: s[2] - s[3],
+            P: lambda s: s[4],
+            SQUARE: lambda s: (s[0] - s[1]) ** 2,
+            FORCE: lambda s: force(s[0] - s[1], s[2] - s[3], s[4]),
+        }
+        # Derivatives from values about a hundredth apart, by fitting a polynomial of thrice the order.
+        nodes = [mpmath.mpf(j) / 200 for j in range(3 * ORDER + 3)]
+        states = [solution(node) for node in nodes]
+        for row, of in variables.items():
+            expected = _interpolated(nodes, [of(state) for state in states])[: ORDER + 1]
+            for n, coefficient in enumerate(expected):
+                assert series[row, n] == pytest.approx(float(coefficient), rel=1e-11, abs=1e-11)
+
+
+def _interpolated(nodes, values):
+    """Ascending coefficients of the polynomial through the values (Newton's divided differences)."""
+    differences = list(values)
+    for level in range(1, len(nodes)):
+        for i in range(len(nodes) - 1, level - 1, -1):
+            differences[i] = (differences[i] - differences[i - 1]) / (nodes[i] - nodes[i - level])
+    coefficients = [differences[-1]]
+    for node, difference in zip(reversed(nodes[:-1]), reversed(differences[:-1]), strict=True):
+        shifted = [mpmath.mpf(0), *coefficients]
+        for n, c in enumerate(coefficients):
+            shifted[n] -= node * c
+        shifted[0] += difference
+        coefficients = shifted
+    return coefficients
+
+
+@pytest.mark.parametrize(("groups", "motion", "valve"), CASES)
+def test_coefficients_do_not_depend_on_the_order(groups, motion, valve):
+    low, high = expanded(groups, motion, valve, 8), expanded(groups, motion, valve, LARGEST_DEGREE)
+    for row in (Z, V, P, SQUARE, FORCE):
+        np.testing.assert_array_equal(low[row, :9], high[row, :9])
+    np.testing.assert_array_equal(low[[Z, V], 9], high[[Z, V], 9])
+
+
+def test_an_exponential_pressure():
+    groups = Groups(deborah=0.25)
+    series = expanded(groups, STUCK, 1.0)
+    expected = [1.0 - 0.3] + [-0.3 * (-4.0) ** n / float(mpmath.factorial(n)) for n in range(1, ORDER + 1)]
+    np.testing.assert_allclose(series[P, : ORDER + 1], expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("tolerance", 10.0 ** np.arange(-15, -1))
+def test_the_step_leaves_out_no_more_than_the_tolerance(tolerance):
+    order = order_for(tolerance)
+    series = expanded(Groups(duffing=3.0), STUCK, 1.0, order)
+    length = step_length(order, tolerance, series)
+    assert length > 0.0
+    last = [(n + 1) * abs(series[V, n + 1]) * length**n for n in (order - 1, order)]
+    assert max(last) == pytest.approx(tolerance, rel=1e-9)
+
+
+def test_the_order_grows_with_the_digits_asked_for():
+    orders = [order_for(10.0**-digits) for digits in range(2, 16)]
+    assert orders == sorted(orders)
+    assert orders[-1] == LARGEST_DEGREE
+    assert orders[0] >= 5
+
+
+def test_a_body_at_rest_takes_a_long_step_but_a_finite_one():
+    series = expanded(Groups(), STUCK, 0.0, state=(0.0, 0.0, 0.0))
+    assert 1.0 <= step_length(ORDER, 1e-9, series) < 2.0 * np.pi
