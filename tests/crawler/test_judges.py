@@ -70,7 +70,7 @@ def test_agrees_with_decimal_arithmetic_from_anywhere_in_the_ranges(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [*STIFF, *range(1000, 1200)])
+@pytest.mark.parametrize("seed", [*STIFF, *range(1000, 1030)])
 def test_agrees_with_decimal_arithmetic_from_anywhere_in_the_ranges_at_length(seed):
     test_agrees_with_decimal_arithmetic_from_anywhere_in_the_ranges(seed)
 
