@@ -178,8 +178,7 @@ def _first_event(run, pressure, solver, before):
                     )
                     if closest.fun < values[i]:
                         times[i], values[i] = closest.x, closest.fun
-                if run.motion == STICK:
-                    run.clearance = min(run.clearance, abs(values[i]))
+                run.clearance = min(run.clearance, abs(values[i]))
         if run.motion != STICK:
             run.peak = max(run.peak, values.max())
         below = np.flatnonzero(values < 0.0)
@@ -195,6 +194,8 @@ def _first_event(run, pressure, solver, before):
             reached = _travel(run, pressure, before, moment, solver.y_old)
             near = 1e-3 * (solver.t - before)
             slope = (value(moment + near) - value(moment - near)) / (2.0 * near)
+            # Less steep by d, the gap would have turned round some d^2 above this root.
+            run.clearance = min(run.clearance, slope**2)
             if slope >= 0.0:
                 break
             moment = min(max(moment - gap(pressure(moment), reached) / slope, before), solver.t)
