@@ -161,7 +161,7 @@ def test_an_evaluation_writes_its_figures_numbers_and_clip(short_run):
 
 
 def test_the_crawl_is_learned_within_a_few_updates(tmp_path):
-    run = train(configuration(20_000), tmp_path / "run")
+    run = train(configuration(50_000), tmp_path / "run")
     speed = measure(load_policy(run), env_kwargs=SPEED, steps=2000)[0].speed
     assert speed >= 0.95 * BEST_OPEN_LOOP
 
