@@ -1,10 +1,10 @@
 """The seven dimensionless groups that fix a crawler, and named choices of them."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..validation import number_within
+from ..validation import known_names, number_within
 
 __all__ = ["PRESETS", "RANGES", "Groups"]
 
@@ -99,10 +99,7 @@ class Groups:
                 raise ValueError(f"groups must be one of the presets {sorted(PRESETS)}, got {choice!r}")
             return PRESETS[choice]
         if isinstance(choice, Mapping):
-            known = [field.name for field in fields(cls)]
-            for name in choice:
-                if name not in known:
-                    raise ValueError(f"groups has no field {name!r}; allowed are {known}")
+            known_names("groups", choice, RANGES)
             return cls(**choice)
         raise TypeError(f"groups must be Groups, a preset's name or a mapping of fields, got {choice!r}")
 

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+from ..validation import known_names
+
 __all__ = ["Scene"]
 
 
@@ -49,10 +51,7 @@ class Scene:
         if isinstance(choice, cls):
             return choice
         if isinstance(choice, Mapping):
-            known = [field.name for field in fields(cls)]
-            for name in choice:
-                if name not in known:
-                    raise ValueError(f"scene has no field {name!r}; allowed are {known}")
+            known_names("scene", choice, (field.name for field in fields(cls)))
             return cls(**choice)
         raise TypeError(f"scene must be a Scene or a mapping of its fields, got {choice!r}")
 

@@ -17,7 +17,7 @@ from ..crawler.groups import RANGES
 from ..crawler.simulation import solver_error, TOLERANCES
 from ..crawler.taylor import ROWS, WIDTH
 from ..reservoir.prequential import PrequentialMemory
-from ..validation import number_within, whole_number
+from ..validation import known_names, number_within, whole_number
 from .rendering import Frame, Renderer
 from .stepping import hold_valve, rest, settings
 
@@ -361,9 +361,8 @@ def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> 
     if not isinstance(randomize, Mapping):
         raise TypeError(f"randomize must be a mapping of group to (low, high), got {randomize!r}")
     known = groups.to_dict()
+    known_names("randomize", randomize, known)
     for name, given in randomize.items():
-        if name not in known:
-            raise ValueError(f"randomize has no group {name!r}; allowed are {sorted(known)}")
         if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
             raise ValueError(f"randomize {name} must be a pair (low, high), got {given!r}")
     ranges = {}

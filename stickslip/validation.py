@@ -1,5 +1,6 @@
 """Arguments checked, and refused in one sentence: the name, what is allowed, and what was given."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,28 @@ def finite_array(name: str, value: ArrayLike, ndim: int | tuple[int, ...]) -> ND
         index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise ValueError(f"{name} must be finite, got {array[index]} at index {index}")
     return array
+
+
+def known_names(name: str, given: Iterable[Any], allowed: Iterable[str]) -> None:
+    """Refuse a name that is not among those allowed.
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls the argument.
+    given : iterable
+        The names the caller was given.
+    allowed : iterable of str
+
+    Raises
+    ------
+    ValueError
+        If one of `given` is unknown.
+    """
+    known = list(allowed)
+    for each in given:
+        if each not in known:
+            raise ValueError(f"{name} has no {each!r}; allowed are {known}")
 
 
 def whole_number(name: str, value: Any, minimum: int) -> int:
