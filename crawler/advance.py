@@ -32,7 +32,8 @@ FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
 
 # About a second of work, a thousand times what the default crawler needs for a hold of 100.
 MAX_STEPS = 1_000_000
-_POLISHINGS = 8
+# At a graze Newton halves the distance to the root, and no more, with every iteration.
+_POLISHINGS = 40
 # Largest defect of a step, in tolerances: a sound step's is about one.
 _TRUST = 4.0
 # Rounding of a force relative to its terms, below which no defect is to be seen.
@@ -326,23 +327,25 @@ def _polish(
     length: float,
     series: NDArray[np.float64],
 ) -> float:
-    """Move a break-loose from where the force's series says to where the force at the state says.
+    """Move a break-loose from where the force's series says to where the force at the state says; inf if nowhere.
 
     The series is truncated and the next step starts from the state: where both frictions are equal the foot must not
     find itself, by the difference, below the threshold it has just passed.
     """
+    margin = 0.0
     for _ in range(_POLISHINGS):
         z = horner(series[Z], order + 1, moment)
         v = horner(series[V], order + 1, moment)
-        force = _force(physics, z, v, _pressure(body, physics, valve, moment))
+        margin = physics.static_friction + direction * _force(physics, z, v, _pressure(body, physics, valve, moment))
         slope = horner_derivative(series[SCRATCH], order, moment)
         if slope >= 0.0:
             break
-        change = (direction * force + physics.static_friction) / slope
+        change = margin / slope
         moment = min(max(moment - change, 0.0), length)
         if abs(change) <= 2.0 * np.finfo(np.float64).eps * moment:
             break
-    return moment
+    # Near a graze the series can cross a threshold that the state does not reach in this step: nothing breaks loose.
+    return np.inf if margin > _BRAKING else moment
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -358,3 +358,17 @@ def test_anchored_the_foot_never_moves(start, deborah):
     done = run(Groups(deborah=deborah), [1, 0], 0.5, scene=Scene(anchored=True), initial=State(0.3, 0.1, start, 1.5))
     assert (done.foot == 1.5).all()
     assert done.friction_loss == 0.0
+
+
+def test_a_graze_that_only_the_truncated_series_crosses_is_no_slip():
+    static = 0.5781409623827235
+    groups = Groups(
+        damping_ratio=0.5,
+        foot_mass_fraction=0.43761223317172154,
+        static_friction=static,
+        kinetic_friction=0.786743609184651 * static,
+    )
+    for tolerance in (1e-4, 1e-12):
+        done = run(groups, [1, 0], 2.5, tolerance=tolerance, samples_per_hold=40)
+        assert done.slips == 0
+        assert not done.foot.any()
