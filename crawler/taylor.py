@@ -12,9 +12,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .body import Body, Physics, STUCK
-from .polynomial import LARGEST_DEGREE
+from .equations import foot_velocity_at, inverse_mass
+from .polynomial import horner, LARGEST_DEGREE
 
-__all__ = ["ROWS", "WIDTH", "expand", "order_for", "step_length"]
+__all__ = ["ROWS", "WIDTH", "expand", "order_for", "state_at", "step_length"]
 
 # Rows of a workspace: series of z, v, p, z^2, F, -(secant stiffness), and one scratch row for events and energy.
 ROWS = 7
@@ -72,11 +73,8 @@ def expand(body: Body, physics: Physics, valve: float, order: int, series: NDArr
         term *= -physics.lag_rate * _RECIPROCAL[n]
         p[n] = term
 
-    inverse_mass = 1.0 / physics.payload_fraction
-    drag = 0.0
-    if body.motion != STUCK:
-        inverse_mass /= physics.foot_fraction
-        drag = body.motion * physics.kinetic_friction / physics.foot_fraction
+    yielding = inverse_mass(physics, body.motion)
+    drag = body.motion * physics.kinetic_friction / physics.foot_fraction  # 0 while the foot sticks
 
     z[0] = body.deformation
     v[0] = body.velocity
@@ -95,7 +93,7 @@ def expand(body: Body, physics: Physics, valve: float, order: int, series: NDArr
         for i in range(n + 1):
             total += stiffness[i] * z[n - i]
         force[n] = total
-        acceleration = total * inverse_mass
+        acceleration = total * yielding
         if n == 0:
             acceleration += drag
         v[n + 1] = acceleration * _RECIPROCAL[n + 1]
@@ -116,3 +114,20 @@ def step_length(order: int, tolerance: float, series: NDArray[np.float64]) -> fl
         if last > 0.0:
             length = min(length, math.exp(math.log(tolerance / last) / n))
     return length
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def state_at(body: Body, physics: Physics, pressure: float, order: int, t: float, series: NDArray[np.float64]) -> Body:
+    """State a time `t` into the step; the foot by momentum."""
+    z = horner(series[Z], order + 1, t)
+    v = horner(series[V], order + 1, t)
+    foot = body.foot
+    foot_velocity = 0.0
+    if body.motion != STUCK:
+        drag = body.motion * physics.kinetic_friction
+        payload = physics.payload_fraction
+        momentum = body.foot_velocity + payload * body.velocity
+        foot += (momentum - 0.5 * drag * t) * t - payload * (z - body.deformation)
+        # At a stop rounding can leave it a hair beyond zero.
+        foot_velocity = body.motion * max(body.motion * foot_velocity_at(body, physics, v, t), 0.0)
+    return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)

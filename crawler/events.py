@@ -1,0 +1,132 @@
+"""When the foot breaks loose, and when it comes to rest."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .body import BACKWARD, Body, FORWARD, Physics, STUCK
+from .equations import foot_velocity_at, force, pressure_after
+from .polynomial import first_descent, horner, horner_derivative
+from .taylor import FORCE, SCRATCH, V, Z
+
+__all__ = ["next_event"]
+
+# At a graze Newton halves the distance to the root, and no more, with every iteration.
+_POLISHINGS = 40
+# Least braking force, above the rounding of a force, that tells a foot coming to rest from one breaking loose.
+_BRAKING = 1e-12
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def next_event(
+    body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
+) -> tuple[float, int]:
+    """Where the step ends, at most at `length`, and the motion that follows."""
+    if physics.anchored:
+        return length, body.motion
+    stuck = body.motion == STUCK
+    moment = np.inf
+    motion = body.motion
+    for direction in (FORWARD, BACKWARD):
+        if stuck:
+            if direction == BACKWARD and physics.ratchet:
+                continue
+            degree = _grip(direction, physics, order, series)
+        else:
+            if direction != body.motion:
+                continue
+            degree = _slide(body, physics, order, series)
+        descent = first_descent(series[SCRATCH], degree, length)
+        if stuck and 0.0 < descent <= length:
+            descent = _polish(descent, direction, body, physics, valve, order, length, series)
+        if descent < moment:
+            moment = descent
+            motion = direction if stuck else STUCK
+    if moment > length:
+        if stuck or not _rests_at_end(body, physics, order, length, series):
+            return length, body.motion
+        moment = length
+        motion = STUCK
+    if not (stuck or physics.ratchet):
+        # A foot that comes to rest under too great a push turns round at once.
+        push = body.motion * horner(series[FORCE], order, moment)
+        if push > physics.static_friction:
+            motion = -body.motion
+    return moment, motion
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _rests_at_end(body: Body, physics: Physics, order: int, length: float, series: NDArray[np.float64]) -> bool:
+    """Whether rounding alone has hidden that the sliding foot comes to rest as the step ends.
+
+    A foot at rest in the next step would be taken for one that has just broken loose, which drag does not hold back.
+    """
+    velocity = horner(series[V], order + 1, length)
+    if body.motion * foot_velocity_at(body, physics, velocity, length) > 0.0:
+        return False
+    braking = body.motion * horner(series[FORCE], order, length) + physics.kinetic_friction
+    return braking > _BRAKING
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
+    """Write the margin s + F (forward) or s - F by which the resting foot holds; return its degree."""
+    margin = series[SCRATCH]
+    for n in range(order + 1):
+        margin[n] = direction * series[FORCE, n]
+    margin[0] += physics.static_friction
+    return order
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _slide(body: Body, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
+    """Write the sliding foot's speed, from the momentum; return its degree."""
+    speed = series[SCRATCH]
+    direction = body.motion
+    speed[0] = direction * body.foot_velocity
+    for n in range(1, order + 1):
+        speed[n] = -direction * physics.payload_fraction * series[V, n]
+    speed[1] -= physics.kinetic_friction
+    if speed[0] != 0.0:
+        return order
+    # A slip begins at rest: that root is divided out. The pull is then at least static friction, which rounding
+    # could hide where the two frictions are equal.
+    for n in range(order):
+        speed[n] = speed[n + 1]
+    surplus = (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction
+    speed[0] = max(speed[0], surplus)
+    return order - 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _polish(
+    moment: float,
+    direction: int,
+    body: Body,
+    physics: Physics,
+    valve: float,
+    order: int,
+    length: float,
+    series: NDArray[np.float64],
+) -> float:
+    """Move a break-loose from where the force's series says to where the force at the state says; inf if nowhere.
+
+    The series is truncated and the next step starts from the state: where both frictions are equal the foot must not
+    find itself, by the difference, below the threshold it has just passed.
+    """
+    margin = 0.0
+    for _ in range(_POLISHINGS):
+        z = horner(series[Z], order + 1, moment)
+        v = horner(series[V], order + 1, moment)
+        margin = physics.static_friction + direction * force(
+            physics, z, v, pressure_after(body, physics, valve, moment)
+        )
+        slope = horner_derivative(series[SCRATCH], order, moment)
+        if slope >= 0.0:
+            break
+        change = margin / slope
+        moment = min(max(moment - change, 0.0), length)
+        if abs(change) <= 2.0 * np.finfo(np.float64).eps * moment:
+            break
+    # Near a graze the series can cross a threshold that the state does not reach in this step: nothing breaks loose.
+    return np.inf if margin > _BRAKING else moment
