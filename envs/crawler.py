@@ -167,6 +167,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         )
 
         self._samples = np.empty((5, self.virtual_nodes))
+        self._states = self._samples[:3].reshape(-1)
         self._series = np.empty((ROWS, WIDTH))
         self._memory: PrequentialMemory | None = None
         self._renderer: Renderer | None = None
@@ -240,17 +241,18 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         command = self._command(action)
         valve = command ^ self._flip()
         start = float(body[_FOOT])
-        status, elapsed = hold_valve(body, self._fixed, valve, self._samples, self._series)
+        observation = np.empty(5, np.float32)
+        status, elapsed = hold_valve(body, self._fixed, valve, self._samples, self._series, observation)
         if status != FINISHED:
             self._body = None
             reached = self._steps * self.hold + elapsed
             raise solver_error(status, reached, float(body[0]), self.episode_groups, self.tolerance)
         self._steps += 1
 
-        deformation, velocity, pressure, foot, foot_velocity, motion, slips = body.tolist()
+        deformation, _, pressure, foot, _, motion, slips = body.tolist()
         speed = (foot - start) / self.hold
         innovation = valve - abs(command - self.dither)
-        memory = 0.0 if self._memory is None else self._memory.score(self._samples[:3].reshape(-1), innovation)
+        memory = 0.0 if self._memory is None else self._memory.score(self._states, innovation)
         reward = (1.0 - self.memory_weight) * speed + self.memory_weight * memory
         if self.render_mode is not None:
             self._frame = Frame(
@@ -274,7 +276,6 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
             "innovation": innovation,
             "slips": int(slips),
         }
-        observation = np.array((deformation, velocity, pressure, foot_velocity, valve), np.float32)
         return observation, reward, False, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
@@ -312,6 +313,10 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         # A window cannot be copied; the copy opens its own.
         return {**self.__dict__, "_renderer": None}
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._states = self._samples[:3].reshape(-1)  # a view, of which the copy was made apart
+
     def _flip(self) -> bool:
         """Whether the next command is flipped."""
         if self.dither == 0.0:
@@ -338,14 +343,14 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         generator = np.random.default_rng(_CALIBRATION_SEED)
         commands = generator.integers(0, 2, holds)
         valves = commands ^ (generator.random(holds) < self.dither)
-        states = np.empty((holds, self._samples[:3].size))
+        states = np.empty((holds, self._states.size))
         fixed = settings(self.groups, self.scene, self.hold, self.tolerance)
-        body = rest()
+        body, observation = rest(), np.empty(5, np.float32)
         for k, valve in enumerate(valves.tolist()):
-            status, elapsed = hold_valve(body, fixed, valve, self._samples, self._series)
+            status, elapsed = hold_valve(body, fixed, valve, self._samples, self._series, observation)
             if status != FINISHED:
                 raise solver_error(status, k * self.hold + elapsed, float(body[0]), self.groups, self.tolerance)
-            states[k] = self._samples[:3].reshape(-1)
+            states[k] = self._states
         return PrequentialMemory(
             states,
             valves - np.abs(commands - self.dither),

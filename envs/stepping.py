@@ -37,6 +37,7 @@ def hold_valve(
     valve: int,
     samples: NDArray[np.float64],
     series: NDArray[np.float64],
+    observation: NDArray[np.float32],
 ) -> tuple[int, float]:
     """Advance one crawler by one hold, in place.
 
@@ -52,6 +53,8 @@ def hold_valve(
         Receives z, v, p, x, w.
     series : (ROWS, WIDTH) array
         Scratch.
+    observation : (5,) array of float32
+        Receives z, v, p, w and the valve.
 
     Returns
     -------
@@ -91,4 +94,9 @@ def hold_valve(
     body[4] = after.foot_velocity
     body[5] = after.motion
     body[6] = after.slips
+    observation[0] = after.deformation
+    observation[1] = after.velocity
+    observation[2] = after.pressure
+    observation[3] = after.foot_velocity
+    observation[4] = valve
     return outcome.status, outcome.elapsed
