@@ -1,9 +1,10 @@
 """Physics of the crawler: parameters, equations, solver, events and energy."""
 
 from .actuator import Actuator, Scales
+from .body import REST, State
 from .groups import Groups, PRESETS
 from .scene import Scene
-from .simulation import REST, simulate, SolverError, State
+from .simulation import simulate, SolverError
 from .trajectory import EVENT, Trajectory
 
 __all__ = [

@@ -35,8 +35,8 @@ FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
 
 # About a second of work, a thousand times what the default crawler needs for a hold of 100.
 MAX_STEPS = 1_000_000
-# No body stretches so far; beyond, the squares of the motion would soon overflow, and float32 observations before them.
-_FARTHEST = 1e30
+# No bounded body stretches so far; beyond, a float32 observation and the squares of the motion would soon overflow.
+_FARTHEST = 1e12
 # Largest defect of a step, in tolerances: a sound step's is about one.
 _TRUST = 4.0
 # Rounding of a force relative to its terms, below which no defect is to be seen.
@@ -146,7 +146,7 @@ def advance(
             ledger = account(ledger, body, following, physics, control.order, length, series)
         elapsed = reached
         if motion != body.motion:
-            following = _change_motion(following, motion)
+            following = _change_motion(following, motion, physics)
             if control.log:
                 if logged == events.shape[0]:
                     return Outcome(LOG_FULL, elapsed, logged, body, ledger)
@@ -160,9 +160,14 @@ def advance(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _change_motion(body: Body, motion: int) -> Body:
-    """The state just after the foot breaks loose or stops."""
-    slips = body.slips if motion == STUCK else body.slips + 1
+def _change_motion(body: Body, motion: int, physics: Physics) -> Body:
+    """The state just after the foot breaks loose or stops.
+
+    A foot that turns round without friction has had nothing to break loose from, and that is no slip.
+    """
+    slips = body.slips
+    if motion != STUCK and (body.motion == STUCK or physics.static_friction > 0.0):
+        slips += 1
     return Body(body.deformation, body.velocity, body.pressure, body.foot, 0.0, motion, slips)
 
 

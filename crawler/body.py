@@ -5,9 +5,22 @@ from typing import NamedTuple
 from .groups import Groups
 from .scene import Scene
 
-__all__ = ["BACKWARD", "FORWARD", "STUCK", "Body", "Ledger", "Physics", "physics"]
+__all__ = ["BACKWARD", "FORWARD", "REST", "STUCK", "Body", "Ledger", "Physics", "State", "physics"]
 
 STUCK, FORWARD, BACKWARD = 0, 1, -1
+
+
+class State(NamedTuple):
+    """Where a simulation begins, in natural units; at rest by default."""
+
+    deformation: float = 0.0
+    velocity: float = 0.0
+    pressure: float = 0.0
+    foot: float = 0.0
+    foot_velocity: float = 0.0
+
+
+REST = State()
 
 
 class Body(NamedTuple):

@@ -48,9 +48,9 @@ def next_event(
         moment = length
         motion = STUCK
     if not (stuck or physics.ratchet):
-        # A foot that comes to rest under too great a push turns round at once.
+        # A foot that comes to rest under too great a push turns round at once, and without friction any is too great.
         push = body.motion * horner(series[FORCE], order, moment)
-        if push > physics.static_friction:
+        if push > physics.static_friction or physics.static_friction == 0.0:
             motion = -body.motion
     return moment, motion
 

@@ -1,8 +1,8 @@
 """The body driven by a sequence of valve states."""
 
 import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -10,30 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..validation import number_within, whole_number
 from .advance import advance, Control, control_for, DIVERGED, FINISHED, LOG_FULL, Outcome
-from .body import BACKWARD, Body, FORWARD, Ledger, Physics, physics, STUCK
+from .body import BACKWARD, Body, FORWARD, Ledger, Physics, physics, REST, State, STUCK
 from .groups import Groups
 from .scene import Scene
 from .taylor import ROWS, WIDTH
 from .trajectory import EVENT, Trajectory
 
-__all__ = ["HOLDS", "REST", "TOLERANCES", "SolverError", "State", "simulate", "solver_error"]
+__all__ = ["HOLDS", "TOLERANCES", "SolverError", "simulate", "solver_error"]
 
 _SOLVERS = ("auto", "taylor")
 HOLDS = "(0, inf)"
 TOLERANCES = "[1e-15, 1e-2]"
-
-
-class State(NamedTuple):
-    """Where a simulation begins, in natural units; at rest by default."""
-
-    deformation: float = 0.0
-    velocity: float = 0.0
-    pressure: float = 0.0
-    foot: float = 0.0
-    foot_velocity: float = 0.0
-
-
-REST = State()
 
 
 class SolverError(RuntimeError):
@@ -230,10 +217,9 @@ def solver_error(status: int, time: float, deformation: float, groups: Groups, t
     """
     where = f"at time {time:.6g} (z = {deformation:.6g})"
     if status == DIVERGED:
-        return SolverError(
-            f"the motion diverged {where}: nothing bounds the stretch of {groups}; "
-            "a body with radial_coupling > 1 needs duffing > 0"
-        )
+        unbounded = groups.duffing == 0.0 and groups.radial_coupling > 1.0
+        cause = "a body with radial_coupling > 1 needs duffing > 0" if unbounded else "it began too far or too fast"
+        return SolverError(f"the motion diverged {where}: {cause}, with {groups}")
     return SolverError(
         f"the step budget of one hold was spent {where} with {groups} at tolerance {tolerance:g}; "
         "take a shorter hold, a looser tolerance or less stiff groups"
@@ -242,14 +228,19 @@ def solver_error(status: int, time: float, deformation: float, groups: Groups, t
 
 def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Groups], NDArray[np.int8], bool]:
     """Groups and schedules row by row, and whether there is one crawler only."""
-    given = np.asarray(valve)
+    try:
+        given = np.asarray(valve)
+    except ValueError:
+        raise ValueError("valve must have shape (holds,) or (batch, holds), got rows of different length") from None
     if given.ndim not in (1, 2) or given.size == 0:
         raise ValueError(f"valve must have shape (holds,) or (batch, holds) and not be empty, got {given.shape}")
-    if given.dtype.kind not in "biuf" or not np.isin(given, (0, 1)).all():
-        raise ValueError(f"valve must hold only 0 and 1, got {given!r}")
+    wrong = np.argwhere(~np.isin(given, (0, 1))) if given.dtype.kind in "biuf" else np.zeros((1, given.ndim), int)
+    if len(wrong):
+        index = tuple(int(i) for i in wrong[0])
+        raise ValueError(f"valve must hold only 0 and 1, got {given[index]!r} at index {index}")
     schedule = given.astype(np.int8)
     single = isinstance(groups, Groups)
-    crawlers = [groups] if isinstance(groups, Groups) else list(groups)
+    crawlers = [groups] if isinstance(groups, Groups) else list(groups) if isinstance(groups, Iterable) else []
     if not crawlers or not all(isinstance(member, Groups) for member in crawlers):
         raise TypeError(f"groups must be Groups or a sequence of them, got {groups!r}")
     if schedule.ndim == 1:
@@ -263,12 +254,12 @@ def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Gr
 
 def _start(initial: State, scene: Scene) -> Body:
     """The solver's state for the user's."""
-    state = State(*(float(value) for value in initial))
-    for name, value in state._asdict().items():
-        if not math.isfinite(value):
-            raise ValueError(f"initial {name} must be finite, got {value!r}")
-    if not 0.0 <= state.pressure <= 1.0:
-        raise ValueError(f"initial pressure must be in [0, 1], got {state.pressure!r}")
+    if not isinstance(initial, tuple) or len(initial) != len(State._fields):
+        raise TypeError(f"initial must be a State, got {initial!r}")
+    ranges = dict.fromkeys(State._fields, "(-inf, inf)") | {"pressure": "[0, 1]"}
+    state = State(
+        *(number_within(f"initial {name}", value, ranges[name]) for name, value in zip(ranges, initial, strict=True))
+    )
     slowest = 0.0 if scene.ratchet or scene.anchored else -math.inf
     fastest = 0.0 if scene.anchored else math.inf
     if not slowest <= state.foot_velocity <= fastest:

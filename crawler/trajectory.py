@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .actuator import Actuator
+from .body import State
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,7 +37,7 @@ class Trajectory:
     pressure : (..., samples) array
         In [0, 1], or pascal.
     foot, foot_velocity : (..., samples) arrays
-        Position of the foot from its start, and its rate.
+        Position of the foot, 0 at the start unless `initial` says otherwise, and its rate.
     valve : (..., holds) array of int8
         The input that was applied.
     slips : int or (...) array of int
@@ -52,6 +53,8 @@ class Trajectory:
     hold : float
     model : str
         What was integrated, and by which solver.
+    actuator : Actuator or None
+        Whose SI units the arrays are in; None for natural units.
     """
 
     time: NDArray[np.float64]
@@ -86,6 +89,19 @@ class Trajectory:
         """Work less stored less dissipated energy: zero but for the solver's error, float or shape (...)."""
         return self.work - self.stored - self.dissipation
 
+    @property
+    def final_state(self) -> State:
+        """The last sample of one crawler, from which `simulate` can go on as its `initial`.
+
+        Raises
+        ------
+        ValueError
+            If the trajectory is a batch or in SI.
+        """
+        if self.deformation.ndim != 1 or self.actuator is not None:
+            raise ValueError("final_state is of one crawler in natural units, got a batch or a trajectory in SI")
+        return State(*(float(getattr(self, name)[-1]) for name in State._fields))
+
     def in_si(self, actuator: Actuator) -> Trajectory:
         """The same motion in metres, seconds, pascals and joules.
 
@@ -100,9 +116,13 @@ class Trajectory:
 
         Raises
         ------
+        TypeError
+            If `actuator` is none.
         ValueError
             If the trajectory is in SI already.
         """
+        if not isinstance(actuator, Actuator):
+            raise TypeError(f"actuator must be an Actuator, got {actuator!r}")
         if self.actuator is not None:
             raise ValueError("trajectory is in SI already; in_si takes one in natural units")
         scales = actuator.scales

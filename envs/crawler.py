@@ -25,6 +25,8 @@ __all__ = ["StickSlipCrawlerEnv"]
 
 # Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
 _HOLDS = "(0, 10000]"
+# Of delays and of virtual nodes: the readout's covariance has the square of the latter.
+_MOST = 1000
 # Random commands that calibrate the memory readout, enough for the scale of each feature to a few percent; fewer
 # where holds are long, but never fewer than this many.
 _CALIBRATION = 2000
@@ -113,8 +115,8 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     | `tolerance`     | float          | 1e-6    | of the solver, 1e-15 to 1e-2                                |
     | `dither`        | float          | 0.1     | probability of a flip, 0 to 1/2                             |
     | `memory_weight` | float          | 0.5     | share of memory in the reward, 0 to 1; above 0 needs dither |
-    | `delays`        | int            | 20      | delays read out, >= 1                                       |
-    | `virtual_nodes` | int            | 4       | instants of a hold at which the body is read, >= 1          |
+    | `delays`        | int            | 20      | delays read out, 1 to 1000                                  |
+    | `virtual_nodes` | int            | 4       | instants of a hold at which the body is read, 1 to 1000     |
     | `randomize`     | mapping        | None    | group -> (low, high), drawn at each reset                   |
     | `render_mode`   | str            | None    | `"human"` or `"rgb_array"`                                  |
 
@@ -147,8 +149,8 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         self.tolerance = number_within("tolerance", tolerance, TOLERANCES)
         self.dither = number_within("dither", dither, "[0, 0.5]")
         self.memory_weight = number_within("memory_weight", memory_weight, "[0, 1]")
-        self.delays = whole_number("delays", delays, 1)
-        self.virtual_nodes = whole_number("virtual_nodes", virtual_nodes, 1)
+        self.delays = whole_number("delays", delays, 1, _MOST)
+        self.virtual_nodes = whole_number("virtual_nodes", virtual_nodes, 1, _MOST)
         self.randomize = _ranges(randomize, self.groups)
         if self.memory_weight > 0.0 and self.dither == 0.0:
             raise ValueError(

@@ -130,7 +130,7 @@ def memory_capacity(
     return MemoryCapacity(
         delays=lags,
         profile=squared_correlation(prediction, target),
-        cutoff=NormalDist().inv_cdf(1 - significance) ** 2 / len(target),
+        cutoff=NormalDist().inv_cdf(significance) ** 2 / len(target),
         bound=_centred_rank(settled),
     )
 

@@ -1,6 +1,7 @@
 """The commands behind ``stickslip``, each a few lines over the package's own functions."""
 
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -8,6 +9,8 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from .validation import whole_number
 
 __all__ = ["app", "run"]
 
@@ -32,14 +35,16 @@ def run(arguments: list[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0 done, 1 refused or failed, 2 not understood.
+        Exit status: 0 done, 1 refused or failed, 2 not understood. What fails is told in one line; with
+        ``STICKSLIP_DEBUG=1`` in the environment it is raised instead.
     """
     try:
         app(arguments)
     except SystemExit as end:
         return int(end.code or 0)
-    # What arguments, files, the solver (RuntimeError) and missing extras raise.
-    except (ValueError, TypeError, OSError, RuntimeError, ImportError) as error:
+    except Exception as error:
+        if os.environ.get("STICKSLIP_DEBUG"):
+            raise
         print("error:", " ".join(str(error).split()) or type(error).__name__, file=sys.stderr)
         return 1
     return 0
@@ -48,13 +53,16 @@ def run(arguments: list[str] | None = None) -> int:
 @app.command()
 def demo(
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("runs/demo"),
-    seed: Annotated[int, typer.Option(help="Of everything random.", min=0)] = 0,
-    steps: Annotated[int | None, typer.Option(help="Steps of each training, instead of the file's.", min=1)] = None,
+    seed: Annotated[int, typer.Option(help="Of everything random.")] = 0,
+    steps: Annotated[int | None, typer.Option(help="Steps of each training, instead of the file's.")] = None,
 ) -> None:
     """See the crawler crawl, its memory measured, its tasks benchmarked and two policies trained."""
     from .demo import run_demo
 
-    run_demo(output, seed, steps)
+    if steps is not None:
+        whole_number("--steps", steps, 1)
+    # The benchmark takes the four seeds that follow as well.
+    run_demo(output, whole_number("--seed", seed, 0, 2**32 - 5), steps)
 
 
 @app.command()
@@ -65,8 +73,10 @@ def train(
     hold: Annotated[float, typer.Option(help="Length of a step, natural time.")] = 0.5,
     groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
     env_kwargs: Annotated[str, typer.Option(help="Further arguments of the environment, as JSON.")] = "{}",
-    steps: Annotated[int | None, typer.Option(help="Environment steps, instead of the file's.", min=1)] = None,
-    seed: Annotated[int, typer.Option(min=0)] = 0,
+    steps: Annotated[
+        int | None, typer.Option(help="Environment steps, instead of the file's; updates are whole.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of everything random.")] = 0,
     algorithm: Annotated[str, typer.Option(help="ppo.")] = "ppo",
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in rl-baselines3-zoo's form.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the folder.")] = False,
@@ -79,12 +89,16 @@ def train(
     arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold}
     if groups is not None:
         arguments["groups"] = _json_object("--groups", groups) if groups.lstrip().startswith("{") else groups
-    arguments |= _json_object("--env-kwargs", env_kwargs)
+    further = _json_object("--env-kwargs", env_kwargs)
+    for name in (*arguments, "groups", "render_mode"):
+        if name in further:
+            raise ValueError(f"--env-kwargs must not set {name}: it has an option of its own, or is not for training")
+    arguments |= further
     # The algorithm is checked before a file of its name is looked for.
     configuration = Configuration(algorithm=algorithm, environment=_ENVIRONMENT, env_kwargs=arguments, seed=seed)
     entry = read_hyperparameters(algorithm, _ENVIRONMENT, hyperparameters)
     if steps is not None:
-        entry["n_timesteps"] = steps
+        entry["n_timesteps"] = whole_number("--steps", steps, 1)
     configuration.hyperparameters.update(entry)
 
     bar = _progress_bar()
@@ -92,7 +106,7 @@ def train(
 
     def show(done: int) -> None:
         bar.start()  # only now: what is refused is refused without a bar above it
-        bar.update(task, completed=done)
+        bar.update(task, completed=min(done, entry["n_timesteps"]))
 
     try:
         finished = train_policy(configuration, output, resume=resume, on_progress=show)
@@ -109,13 +123,15 @@ def evaluate(
     run: Annotated[Path, typer.Argument(help="Folder of a training run.")],
     checkpoint: Annotated[Path | None, typer.Option(help="One of its checkpoints; the best policy by default.")] = None,
     output: Annotated[Path | None, typer.Option(help="Folder for what is made; RUN/evaluation by default.")] = None,
-    steps: Annotated[int, typer.Option(help="Steps to measure over.", min=1000)] = 6000,
-    seed: Annotated[int, typer.Option(help="Of the flips.", min=0)] = 0,
+    steps: Annotated[int, typer.Option(help="Steps to measure over, 1000 at least.")] = 6000,
+    seed: Annotated[int, typer.Option(help="Of the flips.")] = 0,
     video: Annotated[bool, typer.Option(help="Also film the policy.")] = True,
 ) -> None:
     """Replay a policy: its speed and memory, figures and a clip."""
     from .train.report import evaluate_run
 
+    whole_number("--steps", steps, 1000)
+    whole_number("--seed", seed, 0, 2**32 - 1)
     result = evaluate_run(run, checkpoint=checkpoint, output=output, steps=steps, seed=seed, video=video)
     for name, value in result.items():
         typer.echo(f"{name:<24} {value}")

@@ -2,7 +2,9 @@
 
 import json
 import multiprocessing
+import os
 import shutil
+import threading
 import time
 from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
@@ -16,6 +18,7 @@ from rich.table import Table
 from threadpoolctl import threadpool_limits
 
 from .crawler import Groups, Scene, simulate
+from .envs import StickSlipCrawlerEnv
 from .reservoir import memory_capacity
 from .tasks import crawler_and_baselines, plot_memory_profile, random_bits, run_benchmark, table
 from .train.evaluation import film, measure
@@ -90,9 +93,10 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         classroom.show(console)
 
     policies = {lesson.name: load_policy(classroom.run(lesson)) for lesson in (_SPEED, _MEMORY)}
-    noiseless = measure(policies[_SPEED.name], env_kwargs=_SPEED.env_kwargs, steps=2000, seed=seed)[0].speed
+    quiet = StickSlipCrawlerEnv(**_SPEED.env_kwargs)
+    noiseless = measure(policies[_SPEED.name], quiet, steps=2000, seed=seed)[0].speed
     measured = {
-        name: measure(policy, env_kwargs=_MEMORY.env_kwargs, steps=_HOLDS, seed=seed)[0]
+        name: measure(policy, StickSlipCrawlerEnv(**_MEMORY.env_kwargs), steps=_HOLDS, seed=seed)[0]
         for name, policy in policies.items()
     }
     save_figure(plot_trade(schedules, measured), folder / "trade.png")
@@ -160,7 +164,10 @@ class _Classroom:
         }
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
+        if error is not None:
+            for process in list(self._pool._processes.values()):
+                process.terminate()
         self._pool.shutdown(cancel_futures=True)
 
     def show(self, console: Console) -> None:
@@ -169,11 +176,14 @@ class _Classroom:
         with bars:
             tasks = {lesson.folder: bars.add_task(lesson.name, total=self._total) for lesson in (_SPEED, _MEMORY)}
             while not all(future.done() for future in self._futures.values()):
+                for future in self._futures.values():
+                    if future.done():
+                        future.result()  # a training that failed fails at once, not after the other
                 for name, task in tasks.items():
-                    bars.update(task, completed=self._steps[name].value)
+                    bars.update(task, completed=min(self._steps[name].value, self._total))
                 time.sleep(0.2)
             for name, task in tasks.items():
-                bars.update(task, completed=self._steps[name].value)
+                bars.update(task, completed=min(self._steps[name].value, self._total))
         for future in self._futures.values():
             future.result()
 
@@ -186,8 +196,16 @@ _shared_steps: dict[str, Any] = {}
 
 
 def _share(steps: dict[str, Any]) -> None:
-    """Give a worker process the counters that the bars are drawn from."""
+    """Give a worker process the counters that the bars are drawn from, and have it end with its parent."""
     _shared_steps.update(steps)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def follow() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()
 
 
 def _teach(configuration: Configuration, folder: Path, name: str) -> None:

@@ -66,8 +66,8 @@ def known_names(name: str, given: Iterable[Any], allowed: Iterable[str]) -> None
             raise ValueError(f"{name} has no {each!r}; allowed are {known}")
 
 
-def whole_number(name: str, value: Any, minimum: int) -> int:
-    """Convert to an int that is at least `minimum`.
+def whole_number(name: str, value: Any, minimum: int, maximum: int | None = None) -> int:
+    """Convert to an int that is at least `minimum`, and at most `maximum` if there is one.
 
     Parameters
     ----------
@@ -77,6 +77,8 @@ def whole_number(name: str, value: Any, minimum: int) -> int:
         What the caller was given; a bool or a float is refused even where it is whole.
     minimum : int
         The least value allowed.
+    maximum : int, optional
+        The largest value allowed.
 
     Returns
     -------
@@ -87,12 +89,13 @@ def whole_number(name: str, value: Any, minimum: int) -> int:
     TypeError
         If `value` is not an integer.
     ValueError
-        If `value` is below `minimum`.
+        If `value` is below `minimum` or above `maximum`.
     """
+    allowed = f">= {minimum}" if maximum is None else f"in [{minimum}, {maximum}]"
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise TypeError(f"{name} must be a whole number >= {minimum}, got {value!r}")
-    if value < minimum:
-        raise ValueError(f"{name} must be a whole number >= {minimum}, got {value!r}")
+        raise TypeError(f"{name} must be a whole number {allowed}, got {value!r}")
+    if value < minimum or (maximum is not None and value > maximum):
+        raise ValueError(f"{name} must be a whole number {allowed}, got {value!r}")
     return int(value)
 
 
@@ -121,6 +124,9 @@ def number_within(name: str, value: Any, interval: str) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         raise TypeError(f"{name} must be a number in {interval}, got {value!r}")
+    # A whole number may be too large for a float.
+    if isinstance(value, int) and abs(value) > 10**308:
+        raise ValueError(f"{name} must be in {interval}, got a number of {len(str(abs(value)))} digits")
     low, high = (float(end) for end in interval[1:-1].split(","))
     allowed_end = (value == low and interval[0] == "[") or (value == high and interval[-1] == "]")
     if not (low < value < high or allowed_end):

@@ -31,6 +31,15 @@ def refuse(capsys, *arguments):
         (["--groups", '{"duffing": '], "error: --groups must be a JSON object, got '{\"duffing\": '"),
         (["--env-kwargs", "[1]"], "error: --env-kwargs must be a JSON object, got '[1]'"),
         (["--env-kwargs", '{"wheels": 4}'], "error: "),
+        (["--env-kwargs", '{"dither": 0.2}'], "error: --env-kwargs must not set dither"),
+        (["--env-kwargs", '{"render_mode": "human"}'], "error: --env-kwargs must not set render_mode"),
+        (
+            ["--env-kwargs", '{"virtual_nodes": 1000000000000}'],
+            "error: virtual_nodes must be a whole number in ",
+        ),
+        (["--groups", '{"duffing": 1' + "0" * 310 + "}"], "error: duffing must be in [0, inf), got a number of 311"),
+        (["--seed", "-1"], "error: seed must be a whole number in [0, 4294967295], got -1"),
+        (["--steps", "0"], "error: --steps must be a whole number >= 1, got 0"),
         (["--algorithm", "magic"], "error: algorithm must be one of ['ppo'], got 'magic'"),
         (["--hyperparameters", "/nowhere.yml"], "error: [Errno 2] No such file or directory: '/nowhere.yml'"),
     ],
@@ -47,6 +56,17 @@ def test_an_output_that_cannot_be_written_is_refused_in_one_line(capsys, tmp_pat
         line = refuse(capsys, *command, "--output", str(tmp_path / "file" / "run"))
         assert line.startswith("error: ")
         assert str(tmp_path / "file") in line
+
+
+def test_a_fault_nobody_thought_of_is_one_line_too(capsys, monkeypatch, tmp_path):
+    def fail(*_):
+        raise AssertionError("two\nlines")
+
+    monkeypatch.setattr("stickslip.train.hyperparameters.read_hyperparameters", fail)
+    assert refuse(capsys, "train", "--output", str(tmp_path / "run")) == "error: two lines"
+    monkeypatch.setenv("STICKSLIP_DEBUG", "1")
+    with pytest.raises(AssertionError, match="two"):
+        run(["train", "--output", str(tmp_path / "run")])
 
 
 def test_an_evaluation_of_nothing_is_refused_in_one_line(capsys, tmp_path):

@@ -1,5 +1,6 @@
 """What a trained policy comes to, measured as every schedule is."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -46,25 +47,24 @@ def roll_out(
 
 
 def measure(
-    policy: BaseAlgorithm, *, env_kwargs: dict[str, Any], steps: int = 6000, seed: int = 0
+    policy: BaseAlgorithm, environment: StickSlipCrawlerEnv, *, steps: int = 6000, seed: int = 0
 ) -> tuple[Performance, NDArray[np.int64], NDArray[np.int64]]:
     """Speed and held-out memory capacity of a policy.
 
     Parameters
     ----------
     policy : BaseAlgorithm
-    env_kwargs : dict
-        Arguments of the environment it is measured in.
+    environment : StickSlipCrawlerEnv
+        Where it is measured. If it draws its groups, one draw is measured: its `episode_groups` afterwards.
     steps : int
     seed : int
-        Of the flips.
+        Of the flips and the draw.
 
     Returns
     -------
     performance : Performance
     command, valve : (steps,) arrays of 0 and 1
     """
-    environment = StickSlipCrawlerEnv(**env_kwargs)
     command, valve = roll_out(policy, environment, steps, seed)
     result = performance(
         command,
@@ -96,6 +96,7 @@ def film(policy: BaseAlgorithm, file: Path, *, env_kwargs: dict[str, Any], steps
         Of the flips.
     """
     folder = file.parent / f".{file.stem}"
+    shutil.rmtree(folder, ignore_errors=True)
     environment = RecordVideo(
         gym.make("StickSlipCrawler-v0", **env_kwargs, render_mode="rgb_array", max_episode_steps=steps),
         video_folder=str(folder),

@@ -57,6 +57,8 @@ def plot_trade(
             ax.annotate(
                 words[index], points[index], xytext=(5, 4), textcoords="offset points", fontsize=7, color="0.35"
             )
+        if len(policies) >= len(MARKERS):
+            raise ValueError(f"policies must be at most {len(MARKERS) - 1}, got {len(policies)}")
         if policies:
             for (name, (x, y)), color, marker in zip(
                 zip(policies, _points(policies), strict=True), OKABE_ITO, MARKERS[1:], strict=False

@@ -11,6 +11,8 @@ import yaml
 __all__ = ["linear_schedule", "read_hyperparameters", "resolve"]
 
 _REQUIRED = ("n_envs", "n_timesteps", "policy")
+# What a run sets itself.
+_RESERVED = ("env", "seed", "device", "tensorboard_log", "verbose")
 # Whatever a file may set that SB3 takes as a function of the remaining progress.
 _SCHEDULES = ("learning_rate", "clip_range", "clip_range_vf")
 
@@ -43,8 +45,11 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
         text = (resources.files(__package__) / "hyperparameters" / f"{algorithm}.yml").read_text()
         source = f"hyperparameters/{algorithm}.yml"
     else:
-        text = file.read_text()
         source = str(file)
+        try:
+            text = file.read_text()
+        except UnicodeDecodeError:
+            raise ValueError(f"hyperparameters file {source} must be YAML, it is not text") from None
     try:
         entries = yaml.safe_load(text)
     except yaml.YAMLError as error:
@@ -60,7 +65,12 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
             )
     for name in ("n_envs", "n_timesteps"):
         value = entry[name]
-        if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 1 or value != int(value):
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not 1 <= value < 1e15
+            or value != int(value)
+        ):
             raise ValueError(f"hyperparameters file {source}: {name} must be a whole number >= 1, got {value!r}")
         entry[name] = int(value)
     return entry
@@ -84,7 +94,10 @@ def resolve(hyperparameters: dict[str, Any]) -> dict[str, Any]:
     ValueError
         If a schedule or a dict cannot be understood.
     """
-    resolved = dict(hyperparameters)
+    resolved = {name: _number(value) for name, value in hyperparameters.items()}
+    for name in _RESERVED:
+        if name in resolved:
+            raise ValueError(f"hyperparameters must not set {name}: the run sets it")
     for name in _SCHEDULES:
         if isinstance(resolved.get(name), str):
             resolved[name] = _schedule(name, resolved[name])
@@ -98,13 +111,21 @@ def linear_schedule(start: float) -> Callable[[float], float]:
     return lambda remaining: remaining * start
 
 
+def _number(value: Any) -> Any:
+    """`value`, or the number it is written as: YAML takes 1e-4, without a point, for a string."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
+
+
 def _schedule(name: str, text: str) -> Callable[[float], float]:
     prefix, _, number = text.partition("_")
     try:
         value = float(number)
     except ValueError:
         value = -1.0
-    if prefix != "lin" or not value > 0.0:
+    if prefix != "lin" or not 0.0 < value < float("inf"):
         raise ValueError(f"{name} must be a number or lin_<number>, got {text!r}")
     return linear_schedule(value)
 

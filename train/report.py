@@ -60,10 +60,12 @@ def evaluate_run(
     output = folder / "evaluation" if output is None else output
     output.mkdir(parents=True, exist_ok=True)
     arguments = run.configuration.env_kwargs
-    result, command, valve = measure(policy, env_kwargs=arguments, steps=steps, seed=seed)
     environment = StickSlipCrawlerEnv(**arguments)
+    result, command, valve = measure(policy, environment, steps=steps, seed=seed)
 
     summary: dict[str, Any] = {"steps": steps, "speed": result.speed}
+    if environment.randomize:
+        summary["groups drawn"] = environment.episode_groups.to_dict()
     if result.memory is not None:
         summary["memory capacity"] = result.memory.corrected
         summary["memory capacity, raw"] = result.memory.total
@@ -71,7 +73,16 @@ def evaluate_run(
     # From the middle of the episode, where the start is forgotten.
     middle = slice(steps // 2, steps // 2 + _GAIT_HOLDS)
     summary["commands"] = "".join(str(bit) for bit in command[middle])
-    gait = simulate(environment.groups, valve[middle], environment.hold, scene=environment.scene, samples_per_hold=20)
+    body = {"scene": environment.scene, "tolerance": environment.tolerance}
+    before = simulate(environment.episode_groups, valve[: middle.start], environment.hold, **body)
+    gait = simulate(
+        environment.episode_groups,
+        valve[middle],
+        environment.hold,
+        samples_per_hold=20,
+        initial=before.final_state._replace(foot=0.0),
+        **body,
+    )
     save_figure(gait.plot(), output / "gait.png")
     save_figure(plot_learning(folder / "evaluations.csv"), output / "learning.png")
     if video:

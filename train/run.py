@@ -15,6 +15,8 @@ __all__ = ["Configuration", "Run", "atomically"]
 
 _CHECKPOINT = re.compile(r"(\d+)_steps\.zip")
 ALGORITHMS = ("ppo",)
+_LARGEST_SEED = 2**32 - 1
+_KEPT = ("configuration.yml", "checkpoints", "best.zip", "final.zip", "evaluations.csv")
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,10 @@ class Configuration:
     def __post_init__(self) -> None:
         if self.algorithm not in ALGORITHMS:
             raise ValueError(f"algorithm must be one of {list(ALGORITHMS)}, got {self.algorithm!r}")
-        whole_number("seed", self.seed, 0)
+        whole_number("seed", self.seed, 0, _LARGEST_SEED)
+        for name in ("env_kwargs", "hyperparameters"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise TypeError(f"{name} must be a mapping, got {getattr(self, name)!r}")
 
     def differences(self, other: "Configuration") -> list[str]:
         """Names of the fields, and of the entries in them, by which two configurations differ."""
@@ -89,9 +94,9 @@ class Run:
         OSError
             If it cannot be written.
         """
-        file = folder / "configuration.yml"
-        if file.exists():
+        if any((folder / name).exists() for name in _KEPT):
             raise ValueError(f"output {folder} holds a run already; resume it or name another folder")
+        file = folder / "configuration.yml"
         (folder / "checkpoints").mkdir(parents=True, exist_ok=True)
         run = cls(folder, configuration)
         atomically(file, lambda path: path.write_text(yaml.safe_dump(asdict(configuration), sort_keys=False)))
@@ -109,7 +114,10 @@ class Run:
         file = folder / "configuration.yml"
         if not file.is_file():
             raise ValueError(f"run must be a folder with a configuration.yml in it, got {folder}")
-        written = yaml.safe_load(file.read_text())
+        try:
+            written = yaml.safe_load(file.read_text())
+        except (yaml.YAMLError, UnicodeDecodeError):
+            raise ValueError(f"run {folder}: configuration.yml must be YAML") from None
         known = {each.name for each in fields(Configuration)}
         if not isinstance(written, dict) or set(written) != known:
             raise ValueError(f"run {folder}: configuration.yml must set {sorted(known)}, got {written!r}")

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 import torch
 from stable_baselines3 import PPO
@@ -15,6 +15,7 @@ from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import VecEnv
 
+from ..envs import StickSlipCrawlerEnv
 from .hyperparameters import resolve
 from .run import atomically, Configuration, Run
 
@@ -66,34 +67,33 @@ def train(
             if name not in ("n_envs", "n_timesteps", "policy")
         }
     )
-    # A wrong argument of the environment is found before the folder is touched.
+    # What the environment or the algorithm refuses, it refuses before the folder is touched.
+    StickSlipCrawlerEnv(**configuration.env_kwargs).reset()
     environments = _environments(configuration, configuration.hyperparameters["n_envs"], configuration.seed)
     try:
         checkpoint = None
         if resume:
             run = Run.open(folder)
-            differences = configuration.differences(run.configuration)
-            if differences:
-                raise ValueError(f"run {folder} has another configuration: {', '.join(differences)}")
+            _refuse_another(configuration.differences(run.configuration), f"run {folder}")
             checkpoint = run.latest_checkpoint()
         with _torch_threads(_TORCH_THREADS):
-            algorithm = _ALGORITHMS[configuration.algorithm]
             if checkpoint is None:
-                model = algorithm(
+                model = _ALGORITHMS[configuration.algorithm](
                     configuration.hyperparameters["policy"],
                     environments,
                     seed=configuration.seed,
                     device="cpu",
                     **arguments,
                 )
+                model.stickslip_configuration = asdict(configuration)
                 if not resume:
                     run = Run.create(folder, configuration)
             else:
-                model = algorithm.load(checkpoint, env=environments, device="cpu")
+                model = _load(configuration, checkpoint, env=environments)
             model.tensorboard_log = str(folder / "tensorboard")
             remaining = total - model.num_timesteps
             if remaining > 0:
-                with _Keeper(run, max(1, total // _EVALUATIONS), on_progress) as keeper:
+                with _Keeper(run, max(1, total // _EVALUATIONS), on_progress, model.num_timesteps) as keeper:
                     model.learn(
                         remaining,
                         callback=keeper,
@@ -128,30 +128,39 @@ def load_policy(run: Run, file: Path | None = None) -> BaseAlgorithm:
     file = run.best if file is None else file
     if not file.is_file():
         raise ValueError(f"checkpoint must be a file, got {file}")
+    return _load(run.configuration, file)
+
+
+def _load(configuration: Configuration, file: Path, env: VecEnv | None = None) -> BaseAlgorithm:
+    """A model from a file, if it was trained in the environment that the configuration names."""
     try:
-        model = _ALGORITHMS[run.configuration.algorithm].load(file, device="cpu")
+        model = _ALGORITHMS[configuration.algorithm].load(file, env=env, device="cpu")
+        trained_as = Configuration(**model.stickslip_configuration)
     except Exception as error:  # SB3 raises whatever zipfile, pickle or torch do
-        raise ValueError(f"checkpoint {file} is not one of {run.configuration.algorithm}: {error}") from None
-    environment = gym.make(run.configuration.environment, **run.configuration.env_kwargs)
-    spaces = (environment.observation_space, environment.action_space)
-    if (model.observation_space, model.action_space) != spaces:
-        raise ValueError(
-            f"checkpoint {file} is of another configuration: it observes {model.observation_space} and acts in "
-            f"{model.action_space}, {run.folder} has {spaces[0]} and {spaces[1]}"
-        )
+        reason = " ".join(str(error).split())[:200]
+        raise ValueError(f"checkpoint {file} is not one of {configuration.algorithm}: {reason}") from None
+    # Other seeds and hyperparameters may be compared in one environment; another environment is another task.
+    same_training = replace(trained_as, seed=configuration.seed, hyperparameters=configuration.hyperparameters)
+    _refuse_another(configuration.differences(same_training), f"checkpoint {file}")
     return model
+
+
+def _refuse_another(differences: list[str], what: str) -> None:
+    if differences:
+        raise ValueError(f"{what} is of another configuration: {', '.join(differences)}")
 
 
 class _Keeper(BaseCallback):
     """Evaluates the policy from time to time, and keeps it."""
 
-    def __init__(self, run: Run, interval: int, on_progress: Callable[[int], Any]) -> None:
+    def __init__(self, run: Run, interval: int, on_progress: Callable[[int], Any], done: int) -> None:
         super().__init__()
+        self._done = done
         self._run = run
         self._interval = interval
         self._on_progress = on_progress
         self._best = -np.inf
-        self._rows: list[str] = []
+        self._rows: list[tuple[int, float]] = []
         self._next = 0
         # Without flips one episode says all; with them it takes several.
         episodes = 8 if run.configuration.env_kwargs.get("dither", None) != 0.0 else 1
@@ -160,8 +169,12 @@ class _Keeper(BaseCallback):
 
     def __enter__(self) -> "_Keeper":
         if self._table.exists():
-            _, *self._rows = self._table.read_text().splitlines()
-            self._best = max((float(row.split(",")[1]) for row in self._rows), default=-np.inf)
+            # What was evaluated after the last checkpoint will be evaluated again.
+            rows = np.loadtxt(self._table, delimiter=",", skiprows=1, ndmin=2)
+            rows = rows[rows[:, 0] <= self._done]
+            self._rows = [(int(steps), float(reward)) for steps, reward in rows]
+            if self._run.best.exists():
+                self._best = max((reward for _, reward in self._rows), default=-np.inf)
         return self
 
     def __exit__(self, *_: Any) -> None:
@@ -189,13 +202,14 @@ class _Keeper(BaseCallback):
         reward = float(np.sum(returns) / np.sum(lengths))
         self.logger.record("eval/mean_reward_per_step", reward)
         self.logger.dump(self.num_timesteps)
-        self._rows.append(f"{self.num_timesteps},{reward!r}")
-        text = "\n".join(["steps,mean_reward_per_step", *self._rows]) + "\n"
-        atomically(self._table, lambda path: path.write_text(text))
+        # In this order a crash between two of them loses none of the others' meaning.
         atomically(self._run.checkpoint(self.num_timesteps), self.model.save)
         if reward > self._best:
             self._best = reward
             atomically(self._run.best, self.model.save)
+        self._rows.append((self.num_timesteps, reward))
+        lines = ["steps,mean_reward_per_step", *(f"{steps},{value!r}" for steps, value in self._rows)]
+        atomically(self._table, lambda path: path.write_text("\n".join(lines) + "\n"))
 
 
 def _environments(configuration: Configuration, count: int, seed: int) -> VecEnv:

@@ -372,3 +372,19 @@ def test_a_graze_that_only_the_truncated_series_crosses_is_no_slip():
         done = run(groups, [1, 0], 2.5, tolerance=tolerance, samples_per_hold=40)
         assert done.slips == 0
         assert not done.foot.any()
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12, 1e-15])
+def test_without_friction_a_foot_free_both_ways_breaks_loose_once(tolerance):
+    # It touches rest wherever the force vanishes, and rounding decides how often: turning round is no slip.
+    groups = Groups(
+        duffing=153.15,
+        damping_ratio=1.517,
+        deborah=0.01558,
+        radial_coupling=0.2739,
+        foot_mass_fraction=0.07686,
+        static_friction=0.0,
+        kinetic_friction=0.0,
+    )
+    word = [int(letter) for letter in "1001100101000111111101110111111001011011"]
+    assert run(groups, word, 3.0, scene=SYMMETRIC, tolerance=tolerance).slips == 1

@@ -53,7 +53,7 @@ def test_refuses_in_one_line_that_names_the_argument(name, change, error, says):
 @pytest.mark.parametrize("field", State._fields)
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_refuses_an_initial_state_that_is_not_finite(field, bad):
-    with pytest.raises(ValueError, match=rf"initial {field} must be finite"):
+    with pytest.raises(ValueError, match=rf"initial {field} must be in"):
         simulate(Groups(), [1], 1.0, initial=State(**{field: bad}))
 
 

@@ -21,6 +21,14 @@ def test_schedules_and_dicts_are_understood():
     assert resolved["policy_kwargs"] == {"net_arch": [8, 8]}
 
 
+def test_numbers_that_yaml_takes_for_text_are_numbers():
+    assert resolve({"learning_rate": "3e-4", "ent_coef": "1e-4", "gamma": 0.9}) == {
+        "learning_rate": 3e-4,
+        "ent_coef": 1e-4,
+        "gamma": 0.9,
+    }
+
+
 def test_what_was_read_is_left_as_it_was():
     entry = {"learning_rate": "lin_0.002"}
     resolve(entry)
@@ -32,6 +40,8 @@ def test_what_was_read_is_left_as_it_was():
     [
         ({"learning_rate": "cos_0.1"}, "learning_rate must be a number or lin_<number>, got 'cos_0.1'"),
         ({"learning_rate": "lin_fast"}, "learning_rate must be a number or lin_<number>, got 'lin_fast'"),
+        ({"learning_rate": "lin_inf"}, "learning_rate must be a number or lin_<number>, got 'lin_inf'"),
+        ({"seed": 3}, "hyperparameters must not set seed"),
         ({"clip_range": "lin_-1"}, "clip_range must be a number or lin_<number>"),
         ({"policy_kwargs": "dict(x=__import__('os'))"}, "policy_kwargs must be a mapping or dict"),
         ({"policy_kwargs": "open('x')"}, "policy_kwargs must be a mapping or dict"),
@@ -52,6 +62,7 @@ def test_what_cannot_be_understood_is_refused(entry, message):
         (f"{ID}: {{n_envs: 1, n_timesteps: 10}}", "must set policy"),
         (f"{ID}: {{n_envs: 0, n_timesteps: 10, policy: p}}", "n_envs must be a whole number >= 1, got 0"),
         (f"{ID}: {{n_envs: 1, n_timesteps: .nan, policy: p}}", "n_timesteps must be a whole number >= 1, got nan"),
+        (f"{ID}: {{n_envs: .inf, n_timesteps: 1, policy: p}}", "n_envs must be a whole number >= 1, got inf"),
         (f"{ID}: {{n_envs: true, n_timesteps: 1, policy: p}}", "n_envs must be a whole number >= 1, got True"),
     ],
 )

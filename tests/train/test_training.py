@@ -6,6 +6,8 @@ from dataclasses import replace
 import pytest
 import torch
 
+from stickslip.crawler import SolverError
+from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.train.evaluation import measure
 from stickslip.train.hyperparameters import read_hyperparameters
 from stickslip.train.report import evaluate_run
@@ -104,7 +106,7 @@ def test_a_run_is_not_overwritten_or_resumed_as_another(short_run, tmp_path):
     with pytest.raises(ValueError, match="holds a run already; resume it or name another folder"):
         train(short_run.configuration, short_run.folder)
     other = replace(short_run.configuration, env_kwargs={**SPEED, "hold": 1.0}, seed=7)
-    with pytest.raises(ValueError, match=r"has another configuration: env_kwargs\.hold, seed"):
+    with pytest.raises(ValueError, match=r"is of another configuration: env_kwargs\.hold, seed"):
         train(other, short_run.folder, resume=True)
     with pytest.raises(ValueError, match=r"run must be a folder with a configuration\.yml in it"):
         train(short_run.configuration, tmp_path / "nowhere", resume=True)
@@ -129,12 +131,55 @@ def test_checkpoints_that_are_none_are_refused(short_run, tmp_path):
         load_policy(short_run, tmp_path / "text.zip")
 
 
-def test_a_checkpoint_of_another_configuration_is_refused(short_run, tmp_path):
-    # The body that can slide back has other bounds on what it observes.
-    other = replace(short_run.configuration, env_kwargs={**SPEED, "scene": {"ratchet": False}})
+@pytest.mark.parametrize("changed", [{"scene": {"ratchet": False}}, {"hold": 3.0}, {"groups": "high-damping"}])
+def test_a_checkpoint_of_another_configuration_is_refused(short_run, tmp_path, changed):
+    other = replace(short_run.configuration, env_kwargs={**SPEED, **changed})
     run = Run.create(tmp_path / "other", other)
-    with pytest.raises(ValueError, match="is of another configuration: it observes"):
+    (name,) = changed
+    with pytest.raises(ValueError, match=rf"is of another configuration: env_kwargs\.{name}"):
         load_policy(run, short_run.final)
+
+
+def test_the_same_task_trained_with_another_seed_may_be_compared(short_run, tmp_path):
+    run = Run.create(tmp_path / "other", replace(short_run.configuration, seed=5))
+    assert load_policy(run, short_run.final).num_timesteps == 512
+
+
+def test_a_best_policy_lost_in_a_crash_is_made_again(tmp_path):
+    whole = configuration(512, n_envs=4, n_steps=64, batch_size=64)
+    run = train(configuration(256, n_envs=4, n_steps=64, batch_size=64), tmp_path / "run")
+    again = tmp_path / "again"
+    Run.create(again, whole)
+    run.checkpoint(256).rename(again / "checkpoints" / "256_steps.zip")
+    (run.folder / "evaluations.csv").rename(again / "evaluations.csv")
+    # A row from after the checkpoint, and better than any policy: neither may hide the next best one.
+    with (again / "evaluations.csv").open("a") as table:
+        table.write("400,9.0\n")
+    finished = train(whole, again, resume=True)
+    assert finished.best.exists()
+    steps = [int(row.split(",")[0]) for row in (again / "evaluations.csv").read_text().splitlines()[1:]]
+    assert 400 not in steps
+    assert len(steps) == len(set(steps))
+
+
+def test_what_is_left_of_a_run_is_not_mixed_into_another(short_run, tmp_path):
+    (tmp_path / "evaluations.csv").write_text("steps,mean_reward_per_step\n")
+    with pytest.raises(ValueError, match="holds a run already"):
+        Run.create(tmp_path, short_run.configuration)
+
+
+def test_a_body_that_diverges_leaves_no_run_behind(tmp_path):
+    wild = replace(configuration(64), env_kwargs={"groups": {"radial_coupling": 50, "duffing": 0}})
+    with pytest.raises(SolverError, match="diverged"):
+        train(wild, tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("text", ["a: [1", "- 1", "\x00"])
+def test_a_corrupted_configuration_is_refused(tmp_path, text):
+    (tmp_path / "configuration.yml").write_text(text)
+    with pytest.raises(ValueError, match=r"configuration\.yml must"):
+        Run.open(tmp_path)
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path):
@@ -157,12 +202,12 @@ def test_an_evaluation_writes_its_figures_numbers_and_clip(short_run):
     assert set(made) == {"results.json", "gait.png", "learning.png", "clip.mp4"}
     assert min(made.values()) > 0
     policy = load_policy(short_run)
-    assert result["speed"] == measure(policy, env_kwargs=SPEED, steps=1000)[0].speed
+    assert result["speed"] == measure(policy, StickSlipCrawlerEnv(**SPEED), steps=1000)[0].speed
 
 
 def test_the_crawl_is_learned_within_a_few_updates(tmp_path):
     run = train(configuration(50_000), tmp_path / "run")
-    speed = measure(load_policy(run), env_kwargs=SPEED, steps=2000)[0].speed
+    speed = measure(load_policy(run), StickSlipCrawlerEnv(**SPEED), steps=2000)[0].speed
     assert speed >= 0.95 * BEST_OPEN_LOOP
 
 
@@ -172,7 +217,7 @@ def test_the_shipped_hyperparameters_crawl_near_the_optimum(tmp_path, seed):
     start = time.perf_counter()
     run = train(configuration(read_hyperparameters("ppo", ID)["n_timesteps"], seed), tmp_path / "run")
     elapsed = time.perf_counter() - start
-    speed = measure(load_policy(run), env_kwargs=SPEED, steps=4000)[0].speed
+    speed = measure(load_policy(run), StickSlipCrawlerEnv(**SPEED), steps=4000)[0].speed
     assert speed >= 0.95 * BEST_OPEN_LOOP
     # The promise of the command, with the seconds it took in the message should it be broken.
     assert elapsed <= 90.0, f"seed {seed} took {elapsed:.0f} s"
