@@ -13,6 +13,9 @@ from ..validation import finite_array, number_within
 if TYPE_CHECKING:
     from sklearn.linear_model import Ridge
 
+# A share such as 0.3 is not exact in binary; a count that misses a whole number by this much is that number.
+_ROUNDING = 1e-9
+
 
 def fit_readout(states: ArrayLike, targets: ArrayLike, *, ridge: float = 1e-6, fit_intercept: bool = True) -> Ridge:
     """Fit one readout for all targets in a single solve.
@@ -71,7 +74,7 @@ def samples_needed(features: int, holdout: float) -> int:
     -------
     int
     """
-    return max(math.ceil(features / (1 - holdout)), math.ceil(2 / holdout))
+    return max(math.ceil(features / (1 - holdout) - _ROUNDING), math.ceil(2 / holdout))
 
 
 def predict_held_out(
@@ -116,7 +119,7 @@ def predict_held_out(
         raise ValueError(
             f"states must have at least {needed} samples for {features} features and holdout={holdout}, got {samples}"
         )
-    train = math.floor((1 - holdout) * samples)
+    train = math.floor((1 - holdout) * samples + _ROUNDING)
     readout = fit_readout(x[:train], y[:train], ridge=ridge, fit_intercept=fit_intercept)
     # scikit-learn drops the axis of a single output.
     return readout.predict(x[train:]).reshape(y[train:].shape), y[train:]

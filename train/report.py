@@ -73,7 +73,7 @@ def evaluate_run(
     # From the middle of the episode, where the start is forgotten.
     middle = slice(steps // 2, steps // 2 + _GAIT_HOLDS)
     summary["commands"] = "".join(str(bit) for bit in command[middle])
-    body = {"scene": environment.scene, "tolerance": environment.tolerance}
+    body: dict[str, Any] = {"scene": environment.scene, "tolerance": environment.tolerance}
     before = simulate(environment.episode_groups, valve[: middle.start], environment.hold, **body)
     gait = simulate(
         environment.episode_groups,

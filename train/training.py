@@ -22,6 +22,7 @@ from .run import atomically, Configuration, Run
 __all__ = ["load_policy", "train"]
 
 _ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO}
+_CONFIGURATION = "stickslip_configuration"
 _EVALUATIONS = 12
 _EVALUATION_SEED = 1_000_000
 # Networks this small run fastest on one thread; two would fight the environments for the cores.
@@ -85,7 +86,7 @@ def train(
                     device="cpu",
                     **arguments,
                 )
-                model.stickslip_configuration = asdict(configuration)
+                vars(model)[_CONFIGURATION] = asdict(configuration)  # SB3 saves every attribute
                 if not resume:
                     run = Run.create(folder, configuration)
             else:
@@ -135,7 +136,7 @@ def _load(configuration: Configuration, file: Path, env: VecEnv | None = None) -
     """A model from a file, if it was trained in the environment that the configuration names."""
     try:
         model = _ALGORITHMS[configuration.algorithm].load(file, env=env, device="cpu")
-        trained_as = Configuration(**model.stickslip_configuration)
+        trained_as = Configuration(**vars(model)[_CONFIGURATION])
     except Exception as error:  # SB3 raises whatever zipfile, pickle or torch do
         reason = " ".join(str(error).split())[:200]
         raise ValueError(f"checkpoint {file} is not one of {configuration.algorithm}: {reason}") from None

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from stickslip.reservoir import fit_readout, predict_held_out
+from stickslip.reservoir.ridge import samples_needed
 
 
 @pytest.fixture
@@ -78,3 +79,12 @@ def test_fewer_training_samples_than_features(data):
     predict_held_out(states[:10], targets[:10])
     with pytest.raises(ValueError, match=r"states must have at least 10 samples for 5 features and holdout=0.5, got 9"):
         predict_held_out(states[:9], targets[:9])
+
+
+@pytest.mark.parametrize("holdout", [0.1, 0.2, 0.3, 0.5, 0.7, 0.9])
+def test_the_samples_said_to_be_needed_are_enough_for_any_number_of_features(holdout):
+    for features in range(1, 200):
+        needed = samples_needed(features, holdout)
+        prediction, _ = predict_held_out(np.eye(needed, features), np.arange(needed), holdout=holdout, ridge=1.0)
+        assert needed - len(prediction) >= features
+        assert len(prediction) >= 2
