@@ -27,7 +27,7 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
     environment : str
         The environment's id.
     file : Path, optional
-        A YAML file of your own; the package's `hyperparameters/<algorithm>.yml` by default.
+        A YAML file of your own; the package's `train/<algorithm>.yml` by default.
 
     Returns
     -------
@@ -42,8 +42,8 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
         If the file cannot be read.
     """
     if file is None:
-        text = (resources.files(__package__) / "hyperparameters" / f"{algorithm}.yml").read_text()
-        source = f"hyperparameters/{algorithm}.yml"
+        text = (resources.files(__package__) / f"{algorithm}.yml").read_text()
+        source = f"train/{algorithm}.yml"
     else:
         source = str(file)
         try:
