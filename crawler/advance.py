@@ -9,9 +9,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..compilation import compiled
 from .body import Body, Ledger, Physics, STUCK
 from .energy import account
 from .equations import force, inverse_mass, pressure_after
@@ -69,7 +69,7 @@ def control_for(tolerance: float, *, energy: bool = False, log: bool = False, ma
     return Control(tolerance, order_for(tolerance), max_steps, energy, log)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def advance(
     body: Body,
     ledger: Ledger,
@@ -159,7 +159,7 @@ def advance(
     return Outcome(OUT_OF_STEPS, elapsed, logged, body, ledger)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _change_motion(body: Body, motion: int, physics: Physics) -> Body:
     """The state just after the foot breaks loose or stops.
 
@@ -171,7 +171,7 @@ def _change_motion(body: Body, motion: int, physics: Physics) -> Body:
     return Body(body.deformation, body.velocity, body.pressure, body.foot, 0.0, motion, slips)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _trusted_length(
     body: Body, physics: Physics, valve: float, control: Control, length: float, series: NDArray[np.float64]
 ) -> float:

@@ -1,9 +1,9 @@
 """The energies that pass through a crawler in a step."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..compilation import compiled
 from .body import Body, Ledger, Physics
 from .polynomial import horner, LARGEST_DEGREE
 from .taylor import P, V, Z
@@ -19,7 +19,7 @@ for _count in range(1, _MOST_NODES + 1):
     _NODES[_count, :_count], _WEIGHTS[_count, :_count] = 0.5 * (1.0 + _x), 0.5 * _w
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def account(
     ledger: Ledger,
     before: Body,

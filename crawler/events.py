@@ -1,9 +1,9 @@
 """When the foot breaks loose, and when it comes to rest."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..compilation import compiled
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
 from .equations import foot_velocity_at, force, pressure_after
 from .polynomial import first_descent, horner, horner_derivative
@@ -17,7 +17,7 @@ _POLISHINGS = 40
 _BRAKING = 1e-12
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def next_event(
     body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
 ) -> tuple[float, int]:
@@ -55,7 +55,7 @@ def next_event(
     return moment, motion
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _rests_at_end(body: Body, physics: Physics, order: int, length: float, series: NDArray[np.float64]) -> bool:
     """Whether rounding alone has hidden that the sliding foot comes to rest as the step ends.
 
@@ -68,7 +68,7 @@ def _rests_at_end(body: Body, physics: Physics, order: int, length: float, serie
     return braking > _BRAKING
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
     """Write the margin s + F (forward) or s - F by which the resting foot holds; return its degree."""
     margin = series[SCRATCH]
@@ -78,7 +78,7 @@ def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float
     return order
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _slide(body: Body, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
     """Write the sliding foot's speed, from the momentum; return its degree."""
     speed = series[SCRATCH]
@@ -98,7 +98,7 @@ def _slide(body: Body, physics: Physics, order: int, series: NDArray[np.float64]
     return order - 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _polish(
     moment: float,
     direction: int,

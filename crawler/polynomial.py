@@ -9,8 +9,9 @@ Collins and Akritas, SYMSAC (1976).
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ..compilation import compiled
 
 __all__ = ["LARGEST_DEGREE", "first_descent", "horner", "horner_derivative"]
 
@@ -27,7 +28,7 @@ _BINOMIAL = np.array(
 )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def horner(coefficients: NDArray[np.float64], degree: int, t: float) -> float:
     """Value at `t` of the polynomial with the given ascending coefficients."""
     value = coefficients[degree]
@@ -36,7 +37,7 @@ def horner(coefficients: NDArray[np.float64], degree: int, t: float) -> float:
     return value
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def horner_derivative(coefficients: NDArray[np.float64], degree: int, t: float) -> float:
     """Derivative at `t` of the polynomial with the given ascending coefficients."""
     slope = degree * coefficients[degree]
@@ -45,7 +46,7 @@ def horner_derivative(coefficients: NDArray[np.float64], degree: int, t: float) 
     return slope
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def first_descent(coefficients: NDArray[np.float64], degree: int, length: float) -> float:
     """First time in [0, length] from which a polynomial is negative.
 
@@ -95,7 +96,7 @@ def first_descent(coefficients: NDArray[np.float64], degree: int, length: float)
     return length * _isolate(unit, degree, noise)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _isolate(unit: NDArray[np.float64], degree: int, noise: float) -> float:
     """First descent below `-noise` in [0, 1], or inf."""
     pending = np.empty((_DEEPEST + 2, degree + 1))
@@ -141,7 +142,7 @@ def _isolate(unit: NDArray[np.float64], degree: int, noise: float) -> float:
     return np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _bracketed_root(coefficients: NDArray[np.float64], degree: int, noise: float, low: float, high: float) -> float:
     """Where the polynomial passes `-noise`, once, between `low` and `high`: Newton kept inside the bracket."""
     above = horner(coefficients, degree, low) + noise

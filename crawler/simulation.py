@@ -5,9 +5,9 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from ..compilation import compiled
 from ..validation import number_within, whole_number
 from .advance import advance, Control, control_for, DIVERGED, FINISHED, LOG_FULL, Outcome
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, physics, REST, State, STUCK
@@ -145,7 +145,7 @@ def _run(
         capacity *= 2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def drive(
     body: Body,
     coefficients: Physics,

@@ -8,9 +8,9 @@ an exponential p, so each coefficient follows from those before it (A. Jorba and
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..compilation import compiled
 from .body import Body, Physics, STUCK
 from .equations import foot_velocity_at, inverse_mass
 from .polynomial import horner, LARGEST_DEGREE
@@ -47,7 +47,7 @@ def order_for(tolerance: float) -> int:
     return min(LARGEST_DEGREE, math.ceil(4.0 - 4.0 / 3.0 * math.log10(tolerance) - 1e-9))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def expand(body: Body, physics: Physics, valve: float, order: int, series: NDArray[np.float64]) -> None:
     """Fill `series` with Taylor coefficients about the present instant.
 
@@ -100,7 +100,7 @@ def expand(body: Body, physics: Physics, valve: float, order: int, series: NDArr
         z[n + 1] = v[n] * _RECIPROCAL[n + 1]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def step_length(order: int, tolerance: float, series: NDArray[np.float64]) -> float:
     """Longest step on which the last two terms of the acceleration stay below `tolerance`.
 
@@ -116,7 +116,7 @@ def step_length(order: int, tolerance: float, series: NDArray[np.float64]) -> fl
     return length
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def state_at(body: Body, physics: Physics, pressure: float, order: int, t: float, series: NDArray[np.float64]) -> Body:
     """State a time `t` into the step; the foot by momentum."""
     z = horner(series[Z], order + 1, t)

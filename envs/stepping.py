@@ -5,9 +5,9 @@ of a hold; an array costs a fraction of one.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..compilation import compiled
 from ..crawler.advance import advance, Control, control_for
 from ..crawler.body import Body, Ledger, Physics, physics
 from ..crawler.groups import Groups
@@ -30,7 +30,7 @@ def settings(groups: Groups, scene: Scene, hold: float, tolerance: float) -> NDA
     return np.array([*physics(groups, scene), hold, control.tolerance, control.order, control.max_steps])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def hold_valve(
     body: NDArray[np.float64],
     fixed: NDArray[np.float64],

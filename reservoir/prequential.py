@@ -10,9 +10,9 @@ capacity. This one starts as if it had already seen a few samples of a calibrati
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from ..compilation import compiled
 from ..validation import finite_array, number_within, whole_number
 from .recursive_least_squares import predict_then_learn
 
@@ -107,7 +107,7 @@ class PrequentialMemory:
         )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def score(
     weights: NDArray[np.float64],
     covariance: NDArray[np.float64],

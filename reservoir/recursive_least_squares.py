@@ -14,15 +14,15 @@ A. P. Dawid, "Statistical theory: the prequential approach", J. R. Stat. Soc. A 
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from ..compilation import compiled
 from ..validation import finite_array, number_within, whole_number
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def predict(weights: Array, features: Array, prediction: Array) -> None:
     """Write ``weights @ features`` into `prediction`.
 
@@ -40,7 +40,7 @@ def predict(weights: Array, features: Array, prediction: Array) -> None:
         prediction[output] = total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def predict_then_learn(
     weights: Array,
     covariance: Array,
