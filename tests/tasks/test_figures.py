@@ -1,6 +1,7 @@
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from stickslip.reservoir import MemoryCapacity
 from stickslip.tasks import plot_memory_profile
@@ -24,7 +25,7 @@ def test_the_figure_shows_every_profile_with_its_total():
 
 
 def test_it_draws_where_it_is_told():
-    figure = mpl.figure.Figure()
+    figure = Figure()
     left, right = figure.subplots(1, 2)
     assert plot_memory_profile({"a": memory(3)}, ax=right) is figure
     assert (len(left.lines), len(right.lines)) == (0, 1)
