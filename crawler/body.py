@@ -54,6 +54,7 @@ class Physics(NamedTuple):
     foot_fraction: float
     static_friction: float
     kinetic_friction: float
+    slope: float
     anchored: bool
     ratchet: bool
 
@@ -69,6 +70,7 @@ def physics(groups: Groups, scene: Scene) -> Physics:
         foot_fraction=groups.foot_mass_fraction,
         static_friction=groups.static_friction,
         kinetic_friction=groups.kinetic_friction,
+        slope=scene.slope,
         anchored=scene.anchored,
         ratchet=scene.ratchet,
     )

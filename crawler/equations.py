@@ -5,7 +5,7 @@ import math
 from ..compilation import compiled
 from .body import Body, Physics, STUCK
 
-__all__ = ["foot_velocity_at", "force", "inverse_mass", "pressure_after"]
+__all__ = ["acceleration_at_no_force", "foot_velocity_at", "force", "inverse_mass", "pressure_after", "retardation"]
 
 # Arithmetic on the denormal numbers that a gap would end in takes a hundred times as long.
 _FAINTEST = 1e-250
@@ -31,7 +31,19 @@ def inverse_mass(physics: Physics, motion: int) -> float:
 
 
 @compiled
+def acceleration_at_no_force(physics: Physics, motion: int) -> float:
+    """Rate v' of a body without force: its payload runs downhill while the foot sticks; drag tells while it slides."""
+    return -physics.slope if motion == STUCK else motion * physics.kinetic_friction / physics.foot_fraction
+
+
+@compiled
+def retardation(physics: Physics, motion: int) -> float:
+    """Rate at which friction and slope take momentum from a crawler whose foot slides."""
+    return motion * physics.kinetic_friction + physics.slope
+
+
+@compiled
 def foot_velocity_at(body: Body, physics: Physics, velocity: float, t: float) -> float:
     """Velocity of the sliding foot a time `t` into the step, when the body stretches at the rate `velocity`."""
     gained = physics.payload_fraction * (body.velocity - velocity)
-    return body.foot_velocity + gained - body.motion * physics.kinetic_friction * t
+    return body.foot_velocity + gained - retardation(physics, body.motion) * t

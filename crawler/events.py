@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
-from .equations import foot_velocity_at, force, pressure_after
+from .equations import foot_velocity_at, force, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative
 from .taylor import FORCE, SCRATCH, V, Z
 
@@ -49,7 +49,7 @@ def next_event(
         motion = STUCK
     if not (stuck or physics.ratchet):
         # A foot that comes to rest under too great a push turns round at once, and without friction any is too great.
-        push = body.motion * horner(series[FORCE], order, moment)
+        push = body.motion * (horner(series[FORCE], order, moment) + physics.foot_fraction * physics.slope)
         if push > physics.static_friction or physics.static_friction == 0.0:
             motion = -body.motion
     return moment, motion
@@ -64,17 +64,18 @@ def _rests_at_end(body: Body, physics: Physics, order: int, length: float, serie
     velocity = horner(series[V], order + 1, length)
     if body.motion * foot_velocity_at(body, physics, velocity, length) > 0.0:
         return False
-    braking = body.motion * horner(series[FORCE], order, length) + physics.kinetic_friction
+    pull = horner(series[FORCE], order, length) + physics.foot_fraction * physics.slope
+    braking = body.motion * pull + physics.kinetic_friction
     return braking > _BRAKING
 
 
 @compiled
 def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
-    """Write the margin s + F (forward) or s - F by which the resting foot holds; return its degree."""
+    """Write the margin by which the resting foot holds, s plus or less F + r slope; return its degree."""
     margin = series[SCRATCH]
     for n in range(order + 1):
         margin[n] = direction * series[FORCE, n]
-    margin[0] += physics.static_friction
+    margin[0] += physics.static_friction + direction * physics.foot_fraction * physics.slope
     return order
 
 
@@ -86,7 +87,7 @@ def _slide(body: Body, physics: Physics, order: int, series: NDArray[np.float64]
     speed[0] = direction * body.foot_velocity
     for n in range(1, order + 1):
         speed[n] = -direction * physics.payload_fraction * series[V, n]
-    speed[1] -= physics.kinetic_friction
+    speed[1] -= direction * retardation(physics, direction)
     if speed[0] != 0.0:
         return order
     # A slip begins at rest: that root is divided out. The pull is then at least static friction, which rounding
@@ -118,9 +119,8 @@ def _polish(
     for _ in range(_POLISHINGS):
         z = horner(series[Z], order + 1, moment)
         v = horner(series[V], order + 1, moment)
-        margin = physics.static_friction + direction * force(
-            physics, z, v, pressure_after(body, physics, valve, moment)
-        )
+        pull = force(physics, z, v, pressure_after(body, physics, valve, moment))
+        margin = physics.static_friction + direction * (pull + physics.foot_fraction * physics.slope)
         slope = horner_derivative(series[SCRATCH], order, moment)
         if slope >= 0.0:
             break

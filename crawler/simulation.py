@@ -100,7 +100,9 @@ def simulate(
         logs.append(log)
 
     fractions = np.arange(1, samples_per_hold + 1) / samples_per_hold
-    energies = np.array([_stored(after, g) - _stored(body, g) for after, g in zip(finals, crawlers, strict=True)])
+    energies = np.array(
+        [_stored(after, g, scene) - _stored(body, g, scene) for after, g in zip(finals, crawlers, strict=True)]
+    )
     work, viscous, friction = np.array(ledgers).reshape(batch, 3).T
     slips = np.array([after.slips for after in finals], dtype=np.int64)
 
@@ -272,9 +274,10 @@ def _start(initial: State, scene: Scene) -> Body:
     return Body(*state, motion, 0)
 
 
-def _stored(body: Body, groups: Groups) -> float:
-    """Kinetic and elastic energy, in units of P_max A_0 z_c."""
+def _stored(body: Body, groups: Groups, scene: Scene) -> float:
+    """Kinetic, elastic and potential energy, in units of P_max A_0 z_c."""
     r = groups.foot_mass_fraction
     kinetic = 0.5 * r * body.foot_velocity**2 + 0.5 * (1.0 - r) * (body.foot_velocity + body.velocity) ** 2
     elastic = 0.5 * body.deformation**2 + 0.25 * groups.duffing * body.deformation**4
-    return kinetic + elastic
+    height = scene.slope * (body.foot + (1.0 - r) * body.deformation)
+    return kinetic + elastic + height

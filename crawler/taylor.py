@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled
 from .body import Body, Physics, STUCK
-from .equations import foot_velocity_at, inverse_mass
+from .equations import acceleration_at_no_force, foot_velocity_at, inverse_mass, retardation
 from .polynomial import horner, LARGEST_DEGREE
 
 __all__ = ["ROWS", "WIDTH", "expand", "order_for", "state_at", "step_length"]
@@ -51,7 +51,7 @@ def order_for(tolerance: float) -> int:
 def expand(body: Body, physics: Physics, valve: float, order: int, series: NDArray[np.float64]) -> None:
     """Fill `series` with Taylor coefficients about the present instant.
 
-    F = p (1 + Pi5 z) - z - Pi1 z^3 - 2 Pi2 v;  (1 - r) v' = F in stick, v' = F / (r (1 - r)) + k / r in slip.
+    F = p (1 + Pi5 z) - z - Pi1 z^3 - 2 Pi2 v;  v' = F / (1 - r) - slope in stick, F / (r (1 - r)) + k / r in slip.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def expand(body: Body, physics: Physics, valve: float, order: int, series: NDArr
         p[n] = term
 
     yielding = inverse_mass(physics, body.motion)
-    drag = body.motion * physics.kinetic_friction / physics.foot_fraction  # 0 while the foot sticks
+    constant = acceleration_at_no_force(physics, body.motion)
 
     z[0] = body.deformation
     v[0] = body.velocity
@@ -95,7 +95,7 @@ def expand(body: Body, physics: Physics, valve: float, order: int, series: NDArr
         force[n] = total
         acceleration = total * yielding
         if n == 0:
-            acceleration += drag
+            acceleration += constant
         v[n + 1] = acceleration * _RECIPROCAL[n + 1]
         z[n + 1] = v[n] * _RECIPROCAL[n + 1]
 
@@ -124,10 +124,9 @@ def state_at(body: Body, physics: Physics, pressure: float, order: int, t: float
     foot = body.foot
     foot_velocity = 0.0
     if body.motion != STUCK:
-        drag = body.motion * physics.kinetic_friction
         payload = physics.payload_fraction
         momentum = body.foot_velocity + payload * body.velocity
-        foot += (momentum - 0.5 * drag * t) * t - payload * (z - body.deformation)
+        foot += (momentum - 0.5 * retardation(physics, body.motion) * t) * t - payload * (z - body.deformation)
         # At a stop rounding can leave it a hair beyond zero.
         foot_velocity = body.motion * max(body.motion * foot_velocity_at(body, physics, v, t), 0.0)
     return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)

@@ -47,7 +47,7 @@ class Trajectory:
     work : float or (...) array
         Done by the pressure, int P dV (equation S28).
     stored : float or (...) array
-        Growth of kinetic and elastic energy.
+        Growth of kinetic and elastic energy, and on a slope of potential energy.
     viscous_loss, friction_loss : float or (...) array
         Dissipated in the elastomer and under the foot.
     hold : float

@@ -110,7 +110,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     | Argument        | Type           | Default | Description                                                |
     |-----------------|----------------|---------|------------------------------------------------------------|
     | `groups`        | str or mapping | None    | a preset's name, or the groups that differ from the defaults |
-    | `scene`         | mapping        | None    | `anchored`, `ratchet`: what differs from the default scene |
+    | `scene`         | mapping        | None    | what differs from the default scene, see `Scene`           |
     | `hold`          | float          | 0.5     | length of a step, t_c, in (0, 10000]                        |
     | `tolerance`     | float          | 1e-6    | of the solver, 1e-15 to 1e-2                                |
     | `dither`        | float          | 0.1     | probability of a flip, 0 to 1/2                             |
@@ -133,7 +133,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         self,
         *,
         groups: str | Mapping[str, float] | Groups | None = None,
-        scene: Mapping[str, bool] | Scene | None = None,
+        scene: Mapping[str, Any] | Scene | None = None,
         hold: float = 0.5,
         tolerance: float = 1e-6,
         dither: float = 0.1,

@@ -47,7 +47,9 @@ def decimal_judge(groups, valve, hold, *, scene=None, samples_per_hold=1, initia
     scene, start = scene or Scene(), initial or REST
     with localcontext() as context:
         context.prec = _DIGITS
-        groups = SimpleNamespace(**{name: number(value) for name, value in groups.to_dict().items()})
+        groups = SimpleNamespace(
+            **{name: number(value) for name, value in groups.to_dict().items()}, slope=number(scene.slope)
+        )
         z, v, p, x, w = (number(value) for value in start)
         motion = int(w.compare(0))
         run = _Run(x + z, x, v + w, w, p, motion, motion == STICK)
@@ -104,11 +106,12 @@ def _expand(run, groups, command):
         force = series["pressure"][n] + coupling * area - z[n] - duffing * cube - damping * rate
         series["force"].append(force)
         constant = 1 if n == 0 else 0
-        foot_force = Decimal(0) if run.motion == STICK else -force - drag * constant
+        slope = groups.slope * constant
+        foot_rate = Decimal(0) if run.motion == STICK else (-force - drag * constant) / foot_mass - slope
         series["payload"].append(series["payload_rate"][n] / (n + 1))
         series["foot"].append(series["foot_rate"][n] / (n + 1))
-        series["payload_rate"].append(force / payload_mass / (n + 1))
-        series["foot_rate"].append(foot_force / foot_mass / (n + 1))
+        series["payload_rate"].append((force / payload_mass - slope) / (n + 1))
+        series["foot_rate"].append(foot_rate / (n + 1))
         series["pressure"].append((command * constant - series["pressure"][n]) / groups.deborah / (n + 1))
     return series
 
@@ -136,14 +139,14 @@ def _first_event(run, groups, scene, series, step):
         # A slip that begins at rest: divide out that root.
         moment = _descent(run, speed[1:] if run.fresh else speed, step)
         if moment is not None and moment <= best:
-            push = run.motion * _value(series["force"], moment)
+            push = run.motion * (_value(series["force"], moment) + groups.foot_mass_fraction * groups.slope)
             if not scene.ratchet:
                 run.clearance = min(run.clearance, abs(float(push - s)))
             best, following = moment, STICK if scene.ratchet or push <= s else -run.motion
         return best, following
     for motion in (1,) if scene.ratchet else (1, -1):
         gap = [motion * c for c in series["force"]]
-        gap[0] += s
+        gap[0] += s + motion * groups.foot_mass_fraction * groups.slope
         moment = _descent(run, gap, step)
         if moment is not None and (moment < best or following is None):
             best, following = moment, motion
@@ -196,6 +199,7 @@ def _last_clearance(run, groups, scene):
         return
     z, v = run.payload - run.foot, run.payload_rate - run.foot_rate
     force = run.pressure * (1 + groups.radial_coupling * z) - z - groups.duffing * z**3 - 2 * groups.damping_ratio * v
+    force += groups.foot_mass_fraction * groups.slope
     gaps = [run.foot_rate] if run.motion else [groups.static_friction + force]
     if not run.motion and not scene.ratchet:
         gaps.append(groups.static_friction - force)

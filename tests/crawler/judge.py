@@ -71,12 +71,13 @@ class _Run:
         z, rate = state[0] - state[1], state[2] - state[3]
         force = self.force(pressure, state)
         friction = -self.motion * g.kinetic_friction
-        foot_acceleration = 0.0 if self.motion == STICK else (friction - force) / g.foot_mass_fraction
+        slope = self.scene.slope  # weight along the ground, per mass
+        foot_acceleration = 0.0 if self.motion == STICK else (friction - force) / g.foot_mass_fraction - slope
         return np.array(
             [
                 state[2],
                 state[3],
-                force / (1.0 - g.foot_mass_fraction),
+                force / (1.0 - g.foot_mass_fraction) - slope,
                 foot_acceleration,
                 pressure * (1.0 + g.radial_coupling * z) * rate,
                 2.0 * g.damping_ratio * rate**2,
@@ -88,11 +89,11 @@ class _Run:
         """The functions whose fall below zero ends this motion, each with the motion that follows it."""
         if self.scene.anchored:
             return []
-        s = self.groups.static_friction
+        s, weight = self.groups.static_friction, self.groups.foot_mass_fraction * self.scene.slope
         if self.motion != STICK:
             return [(lambda p, y: self.motion * y[3], None)]
-        forward = (lambda p, y: s + self.force(p, y), FORWARD)
-        backward = (lambda p, y: s - self.force(p, y), BACKWARD)
+        forward = (lambda p, y: s + weight + self.force(p, y), FORWARD)
+        backward = (lambda p, y: s - weight - self.force(p, y), BACKWARD)
         return [forward] if self.scene.ratchet else [forward, backward]
 
 
@@ -216,7 +217,8 @@ def _begin(run, pressure, motion):
     if motion is None:
         run.clearance = min(run.clearance, run.peak)
         # A foot that comes to rest under too great a push turns round at once.
-        push = run.motion * run.force(pressure(run.time), run.state)
+        weight = run.groups.foot_mass_fraction * run.scene.slope
+        push = run.motion * (run.force(pressure(run.time), run.state) + weight)
         turns = not run.scene.ratchet and push > run.groups.static_friction
         if not run.scene.ratchet:
             run.clearance = min(run.clearance, abs(push - run.groups.static_friction))

@@ -37,7 +37,8 @@ REFUSED = [
     ("groups", {"groups": [Groups(), 3]}, TypeError, r"Groups"),
     ("groups", {"groups": [Groups()] * 3, "valve": [[0], [1]]}, ValueError, r"valve.*3 and 2"),
     ("scene", {"scene": "anchored"}, TypeError, r"got 'anchored'"),
-    ("scene", {"scene": {"slope": 1.0}}, ValueError, r"'slope'.*anchored"),
+    ("scene", {"scene": {"slope": float("nan")}}, ValueError, r"slope.*\(-inf, inf\), got nan"),
+    ("scene", {"scene": {"tilt": 1.0}}, ValueError, r"'tilt'.*anchored"),
 ]
 
 
