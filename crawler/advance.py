@@ -17,7 +17,7 @@ from .energy import account
 from .equations import force, inverse_mass, pressure_after
 from .events import next_event
 from .polynomial import horner
-from .taylor import expand, FORCE, order_for, state_at, step_length, V, Z
+from .taylor import END_FORCE, END_V, END_Z, expand, FORCE, LENGTH, moved, order_for, state_at, STEP, V, Z
 
 __all__ = [
     "DIVERGED",
@@ -114,13 +114,11 @@ def advance(
     elapsed = 0.0
     opening = body
     for _ in range(control.max_steps):
-        expand(body, physics, valve, control.order, series)
-        length = step_length(control.order, control.tolerance, series)
-        if not length > 0.0:
+        expand(body, physics, valve, control.order, control.tolerance, hold - elapsed, series)
+        if not abs(series[V, control.order + 1]) < np.inf:
             return Outcome(DIVERGED, elapsed, logged, body, ledger)
-        length = min(length, hold - elapsed)
-        length = _trusted_length(body, physics, valve, control, length, series)
-        length, motion = next_event(body, physics, valve, control.order, length, series)
+        longest, end = _trusted_step(opening, body, physics, valve, elapsed, control, series)
+        length, motion = next_event(body, physics, valve, control.order, longest, series)
 
         # The last step ends on the hold itself, so that no sample is lost to the rounding of a sum.
         last = motion == body.motion and length >= hold - elapsed
@@ -130,16 +128,20 @@ def advance(
             if moment > reached:
                 break
             pressure = pressure_after(opening, physics, valve, moment)
-            sampled = state_at(body, physics, pressure, control.order, min(moment - elapsed, length), series)
+            sampled = end
+            if moment - elapsed < longest:
+                sampled = state_at(body, physics, pressure, control.order, min(moment - elapsed, length), series)
             samples[0, done] = sampled.deformation
             samples[1, done] = sampled.velocity
-            samples[2, done] = sampled.pressure
+            samples[2, done] = pressure
             samples[3, done] = sampled.foot
             samples[4, done] = sampled.foot_velocity
             done += 1
 
-        pressure = pressure_after(opening, physics, valve, reached)
-        following = state_at(body, physics, pressure, control.order, length, series)
+        following = end
+        if length < longest:
+            pressure = pressure_after(opening, physics, valve, reached)
+            following = state_at(body, physics, pressure, control.order, length, series)
         if not abs(following.deformation) + abs(following.velocity) < _FARTHEST:
             return Outcome(DIVERGED, elapsed, logged, body, ledger)
         if control.energy:
@@ -172,23 +174,33 @@ def _change_motion(body: Body, motion: int, physics: Physics) -> Body:
 
 
 @compiled
-def _trusted_length(
-    body: Body, physics: Physics, valve: float, control: Control, length: float, series: NDArray[np.float64]
-) -> float:
-    """The part of a step at whose end the series still satisfies the equation of motion.
+def _trusted_step(
+    opening: Body,
+    body: Body,
+    physics: Physics,
+    valve: float,
+    elapsed: float,
+    control: Control,
+    series: NDArray[np.float64],
+) -> tuple[float, Body]:
+    """The part of a step at whose end the series still satisfies the equation of motion, and that end.
 
     The last coefficients can be blind to what is to come: from rest z grows as t^3, and a cubic spring first acts at
     t^9. The defect, the force at the state less the force's own series, is not.
     """
     yielding = inverse_mass(physics, body.motion)
+    length, z, v = series[STEP, LENGTH], series[STEP, END_Z], series[STEP, END_V]
+    expected = series[STEP, END_FORCE]
+    pressure = pressure_after(opening, physics, valve, elapsed + length)
     for _ in range(_SHORTENINGS):
-        z = horner(series[Z], control.order + 1, length)
-        v = horner(series[V], control.order + 1, length)
-        pull = force(physics, z, v, pressure_after(body, physics, valve, length))
         rounding = _ROUNDING * (1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v))
-        defect = abs(pull - horner(series[FORCE], control.order, length))
+        defect = abs(force(physics, z, v, pressure) - expected)
         if yielding * (defect - rounding) <= _TRUST * control.tolerance:
             break
         shrink = math.exp(math.log(control.tolerance / (yielding * defect)) / (control.order + 1))
         length *= max(0.25, min(0.9, shrink))
-    return length
+        z = horner(series[Z], control.order + 1, length)
+        v = horner(series[V], control.order + 1, length)
+        expected = horner(series[FORCE], control.order, length)
+        pressure = pressure_after(opening, physics, valve, elapsed + length)
+    return length, moved(body, physics, z, v, pressure, length)

@@ -7,7 +7,7 @@ from ..compilation import compiled
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
 from .equations import foot_velocity_at, force, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative
-from .taylor import FORCE, SCRATCH, V, Z
+from .taylor import FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
 
 __all__ = ["next_event"]
 
@@ -23,6 +23,8 @@ def next_event(
 ) -> tuple[float, int]:
     """Where the step ends, at most at `length`, and the motion that follows."""
     if physics.anchored:
+        return length, body.motion
+    if _quiet(body, physics, series):
         return length, body.motion
     stuck = body.motion == STUCK
     moment = np.inf
@@ -53,6 +55,16 @@ def next_event(
         if push > physics.static_friction or physics.static_friction == 0.0:
             motion = -body.motion
     return moment, motion
+
+
+@compiled
+def _quiet(body: Body, physics: Physics, series: NDArray[np.float64]) -> bool:
+    """Whether the sizes of the terms alone show that nothing happens on the step."""
+    if body.motion != STUCK:
+        return body.motion * body.foot_velocity + series[STEP, LOWEST] > 0.0
+    pull = series[FORCE, 0] + physics.foot_fraction * physics.slope
+    forward = physics.static_friction + pull + series[STEP, LOWEST] > 0.0
+    return forward and (physics.ratchet or physics.static_friction - pull - series[STEP, HIGHEST] > 0.0)
 
 
 @compiled

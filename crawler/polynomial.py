@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled
+from ..unrolling import fma
 
 __all__ = ["LARGEST_DEGREE", "first_descent", "horner", "horner_derivative"]
 
-LARGEST_DEGREE = 24
+LARGEST_DEGREE = 20
 # Sums of a step's terms are right to a few units in the last place; a dip shallower than that is no descent.
 _NOISE = 16.0 * np.finfo(np.float64).eps
 # At 2^-52 of the step neighbouring coefficients agree to rounding, so nothing is left to split.
@@ -30,11 +31,19 @@ _BINOMIAL = np.array(
 
 @compiled
 def horner(coefficients: NDArray[np.float64], degree: int, t: float) -> float:
-    """Value at `t` of the polynomial with the given ascending coefficients."""
-    value = coefficients[degree]
-    for n in range(degree - 1, -1, -1):
-        value = value * t + coefficients[n]
-    return value
+    """Value at `t` of the polynomial with the given ascending coefficients; `degree` at least 1.
+
+    Even and odd powers are summed apart, so that neither sum waits for the other.
+    """
+    square = t * t
+    last = coefficients[degree]
+    other = coefficients[degree - 1]
+    for n in range(degree - 2, 0, -2):
+        last = fma(last, square, coefficients[np.uintp(n)])
+        other = fma(other, square, coefficients[np.uintp(n - 1)])
+    if degree % 2 == 0:
+        return fma(other, t, fma(last, square, coefficients[0]))
+    return fma(last, t, other)
 
 
 @compiled

@@ -181,7 +181,7 @@ def test_only_as_many_coefficients_are_read_as_the_degree_says():
 
 
 @HUNT
-@given(data=st.lists(st.floats(-10.0, 10.0), min_size=2, max_size=25), t=st.floats(-2.0, 2.0))
+@given(data=st.lists(st.floats(-10.0, 10.0), min_size=2, max_size=LARGEST_DEGREE + 1), t=st.floats(-2.0, 2.0))
 def test_horner_and_its_derivative(data, t):
     coefficients, degree = np.array(data), len(data) - 1
     scale = 1e-13 * (1.0 + np.polynomial.polynomial.polyval(abs(t), np.abs(coefficients) * (1 + np.arange(degree + 1))))
