@@ -72,7 +72,7 @@ class Traced:
         return Traced(self.builder, bits).fma(2.0**-52, -1022.957)
 
     def exp2(self) -> "Traced":
-        """Power of two of a number in (-1023, 1024), to 0.3%: its whole part exactly, its fraction by a parabola."""
+        """Power of two of a number in (-1023, 1024), to 0.4%: its whole part exactly, its fraction by a parabola."""
         biased = self + 1023.0
         whole = self.builder.fptosi(biased.value, _INTEGER)
         power = self.builder.bitcast(self.builder.shl(whole, ir.Constant(_INTEGER, 52)), _DOUBLE)

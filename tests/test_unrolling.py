@@ -64,7 +64,7 @@ def test_estimates_are_as_good_as_they_say(x):
     rows = np.empty((1, 2))
     estimated(x, rows)
     assert rows[0, 0] == pytest.approx(np.log2(x), abs=0.05)
-    assert rows[0, 1] == pytest.approx(2.0 ** (0.01 * x), rel=0.003)
+    assert rows[0, 1] == pytest.approx(2.0 ** (0.01 * x), rel=0.004)
 
 
 def test_the_logarithm_of_nothing_and_of_infinity_can_be_compared():
