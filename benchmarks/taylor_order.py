@@ -12,11 +12,10 @@ from stickslip.crawler import Groups, Scene
 from stickslip.crawler.advance import control_for
 from stickslip.crawler.body import Body, physics
 from stickslip.crawler.simulation import drive
-from stickslip.crawler.taylor import order_for, ROWS, WIDTH
+from stickslip.crawler.taylor import order_for, ORDERS, ROWS, WIDTH
 
 WORD = np.array([1, 1, 1, 1, 0, 0, 0, 0] * 25, np.int8)
 FOOT = 32.03368882790800707974502  # 40-digit arithmetic
-ORDERS = range(6, 25, 2)
 ROUNDS = 31
 
 
@@ -38,9 +37,8 @@ def main() -> None:
                 error[order] = abs(samples[3, -1] - FOOT)
         cost = {order: float(np.median(times)) for order, times in seconds.items()}
         least = min(cost.values())
-        chosen = min(ORDERS, key=lambda order: abs(order - order_for(tolerance)))
         cells = [
-            f"{order}{'*' if order == chosen else ''}: {cost[order] / least:.2f} ({error[order]:.0e})"
+            f"{order}{'*' if order == order_for(tolerance) else ''}: {cost[order] / least:.2f} ({error[order]:.0e})"
             for order in ORDERS
         ]
         print(f"{tolerance:g}  " + "  ".join(cells))

@@ -94,25 +94,21 @@ def first_descent(coefficients: NDArray[np.float64], degree: int, length: float)
     # Most polynomials are monotone on the step, and bounds of the slope show it at once.
     if steepest >= 0.0 or (flattest <= 0.0 and end >= -noise):
         return np.inf
-
-    unit = np.empty(degree + 1)
-    power = 1.0
-    for n in range(degree + 1):
-        unit[n] = coefficients[n] * power
-        power *= length
     if flattest <= 0.0:
-        return length * _bracketed_root(unit, degree, noise, 0.0, 1.0)
-    return length * _isolate(unit, degree, noise)
+        return _bracketed_root(coefficients, degree, noise, 0.0, length)
+    return _isolate(coefficients, degree, length, noise)
 
 
 @compiled
-def _isolate(unit: NDArray[np.float64], degree: int, noise: float) -> float:
-    """First descent below `-noise` in [0, 1], or inf."""
+def _isolate(coefficients: NDArray[np.float64], degree: int, length: float, noise: float) -> float:
+    """First descent below `-noise` in [0, length], or inf."""
     pending = np.empty((_DEEPEST + 2, degree + 1))
     left = np.empty(_DEEPEST + 2)
     depth = np.empty(_DEEPEST + 2, np.int64)
+    power = 1.0
     for n in range(degree + 1):
-        pending[0, n] = unit[n] / _BINOMIAL[degree, n]
+        pending[0, n] = coefficients[n] * power / _BINOMIAL[degree, n]
+        power *= length
     for k in range(degree):
         for i in range(degree, k, -1):
             pending[0, i] += pending[0, i - 1]
@@ -131,9 +127,9 @@ def _isolate(unit: NDArray[np.float64], degree: int, noise: float) -> float:
         if variations == 0:
             top -= 1
             continue
-        width = 2.0 ** -depth[top]
+        width = length * 2.0 ** -depth[top]
         if variations == 1:
-            return _bracketed_root(unit, degree, noise, left[top], left[top] + width)
+            return _bracketed_root(coefficients, degree, noise, left[top], left[top] + width)
         if depth[top] == _DEEPEST:
             return left[top]
         # The right half keeps this place on the stack and the left half, to be looked at first, goes above it.
