@@ -1,0 +1,1 @@
+"""The default crawler's trajectory by other people's solvers: a file a library, for `benchmarks/peers.py`."""
