@@ -12,7 +12,8 @@ from stickslip.crawler import Groups, Scene
 from stickslip.crawler.advance import control_for
 from stickslip.crawler.body import Body, physics
 from stickslip.crawler.simulation import drive
-from stickslip.crawler.taylor import order_for, ORDERS, ROWS, WIDTH
+from stickslip.crawler.taylor import order_for, ORDERS
+from stickslip.crawler.workspace import ROWS, WIDTH
 
 WORD = np.array([1, 1, 1, 1, 0, 0, 0, 0] * 25, np.int8)
 FOOT = 32.03368882790800707974502  # 40-digit arithmetic

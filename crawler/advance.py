@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from ..compilation import compiled
 from .body import Body, Ledger, Physics, STUCK
 from .energy import account
-from .equations import force, inverse_mass, pressure_after
+from .equations import force, inverse_mass, moved, pressure_after
 from .events import next_event
 from .polynomial import horner
-from .taylor import END_FORCE, END_V, END_Z, expand, FORCE, LENGTH, moved, order_for, state_at, STEP, V, Z
+from .taylor import expand, order_for, state_at
+from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, Z
 
 __all__ = [
     "DIVERGED",

@@ -5,7 +5,15 @@ import math
 from ..compilation import compiled
 from .body import Body, Physics, STUCK
 
-__all__ = ["acceleration_at_no_force", "foot_velocity_at", "force", "inverse_mass", "pressure_after", "retardation"]
+__all__ = [
+    "acceleration_at_no_force",
+    "foot_velocity_at",
+    "force",
+    "inverse_mass",
+    "moved",
+    "pressure_after",
+    "retardation",
+]
 
 # Arithmetic on the denormal numbers that a gap would end in takes a hundred times as long.
 _FAINTEST = 1e-250
@@ -47,3 +55,17 @@ def foot_velocity_at(body: Body, physics: Physics, velocity: float, t: float) ->
     """Velocity of the sliding foot a time `t` into the step, when the body stretches at the rate `velocity`."""
     gained = physics.payload_fraction * (body.velocity - velocity)
     return body.foot_velocity + gained - retardation(physics, body.motion) * t
+
+
+@compiled
+def moved(body: Body, physics: Physics, z: float, v: float, pressure: float, t: float) -> Body:
+    """State a time `t` into a smooth motion that has brought the body to `z` and `v`; the foot by momentum."""
+    foot = body.foot
+    foot_velocity = 0.0
+    if body.motion != STUCK:
+        payload = physics.payload_fraction
+        momentum = body.foot_velocity + payload * body.velocity
+        foot += (momentum - 0.5 * retardation(physics, body.motion) * t) * t - payload * (z - body.deformation)
+        # At a stop rounding can leave it a hair beyond zero.
+        foot_velocity = body.motion * max(body.motion * foot_velocity_at(body, physics, v, t), 0.0)
+    return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)

@@ -7,7 +7,7 @@ from ..compilation import compiled
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
 from .equations import foot_velocity_at, force, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative
-from .taylor import FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
+from .workspace import FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
 
 __all__ = ["next_event"]
 

@@ -4,9 +4,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from ..unrolling import fma, sum_of_products, unrolled
+import numpy as np
 
-__all__ = ["coefficients", "value", "write_step"]
+from ..unrolling import fma, sum_of_products, unrolled
+from .workspace import FORCE, P, STEP, V, WORK, Z
+
+__all__ = ["coefficients", "value", "write_energies", "write_step"]
 
 # Where the motion is fainter than the tolerance, an absolute test would allow steps beyond the series' radius of
 # convergence. The body's own period is 2 pi, so this many natural units keep within it.
@@ -79,7 +82,7 @@ def value(coefficients: Sequence[Any], t: Any, square: Any) -> Any:
     return fma(sums[1], t, sums[0])
 
 
-def _step(order: int, *inputs: Any) -> tuple[list[Any], ...]:
+def _step(order: int, _rows: Any, *inputs: Any) -> dict[int, list[Any]]:
     """The series, and a row of what else the step needs: its length, its end, and the reach of its event function.
 
     The length is the longest on which the last two terms of the acceleration stay below the tolerance: two, because an
@@ -104,7 +107,30 @@ def _step(order: int, *inputs: Any) -> tuple[list[Any], ...]:
         lowest, highest = term.smaller(0.0) + lowest, term.larger(0.0) + highest
         power = power * length
     ends = [value(row, length, square) for row in (z, v, force)]
-    return z, v, p, force, [length, *ends, lowest, highest]
+    return {Z: z, V: v, P: p, FORCE: force, STEP: [length, *ends, lowest, highest]}
+
+
+def _energies(order: int, rows: Any, length: Any, radial_coupling: Any) -> dict[int, list[Any]]:
+    """The integrals of p (1 + Pi5 z) v and of v^2 over a step of the given length, into the row STEP.
+
+    A product of two series oscillates twice as fast as either, so that truncating it at their order would cost most
+    of their accuracy. Gauss-Legendre quadrature of the truncated series on order / 2 + 2 nodes loses nothing, and all
+    nodes are computed at once.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(order // 2 + 2)
+    t = length.times_each(0.5 + 0.5 * nodes)
+    z, v, p = (_horner(rows[row], degree, t) for row, degree in ((Z, order + 1), (V, order + 1), (P, order)))
+    area = z.fma(radial_coupling, 1.0)
+    work, viscous = ((power * v).weighted_sum(0.5 * weights) * length for power in (p * area, v))
+    return {STEP: [*(rows[STEP][n] for n in range(WORK)), work, viscous]}
+
+
+def _horner(coefficients: Any, degree: int, t: Any) -> Any:
+    total = t.fma(coefficients[degree], coefficients[degree - 1])
+    for n in range(degree - 2, -1, -1):
+        total = total.fma(t, coefficients[n])
+    return total
 
 
 write_step = unrolled(_step)
+write_energies = unrolled(_energies)

@@ -13,8 +13,8 @@ from .advance import advance, Control, control_for, DIVERGED, FINISHED, LOG_FULL
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, physics, REST, State, STUCK
 from .groups import Groups
 from .scene import Scene
-from .taylor import ROWS, WIDTH
 from .trajectory import EVENT, Trajectory
+from .workspace import ROWS, WIDTH
 
 __all__ = ["HOLDS", "TOLERANCES", "SolverError", "simulate", "solver_error"]
 

@@ -12,20 +12,14 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled
 from .body import Body, Physics, STUCK
-from .equations import acceleration_at_no_force, foot_velocity_at, inverse_mass, retardation
-from .polynomial import horner, LARGEST_DEGREE
+from .equations import acceleration_at_no_force, inverse_mass, moved, retardation
+from .polynomial import horner
 from .recurrence import write_step
+from .workspace import V, Z
 
-__all__ = ["ORDERS", "ROWS", "WIDTH", "expand", "moved", "order_for", "state_at"]
+__all__ = ["ORDERS", "expand", "order_for", "state_at"]
 
 ORDERS = (8, 12, 16, 20)
-# Rows of a workspace: series of z, v, p and F, what else a step needs, and one scratch row for events.
-ROWS = 6
-WIDTH = LARGEST_DEGREE + 2
-Z, V, P, FORCE, STEP, SCRATCH = range(ROWS)
-# Columns of the row STEP: its length, z, v and F at its end, and the least and greatest that the terms of the event
-# function beyond the constant one can add up to.
-LENGTH, END_Z, END_V, END_FORCE, LOWEST, HIGHEST = range(6)
 
 
 def order_for(tolerance: float) -> int:
@@ -109,17 +103,3 @@ def expand(
 def state_at(body: Body, physics: Physics, pressure: float, order: int, t: float, series: NDArray[np.float64]) -> Body:
     """State a time `t` into the step, where the pressure is `pressure`."""
     return moved(body, physics, horner(series[Z], order + 1, t), horner(series[V], order + 1, t), pressure, t)
-
-
-@compiled
-def moved(body: Body, physics: Physics, z: float, v: float, pressure: float, t: float) -> Body:
-    """State a time `t` after `body` with a given deformation and rate; the foot by momentum."""
-    foot = body.foot
-    foot_velocity = 0.0
-    if body.motion != STUCK:
-        payload = physics.payload_fraction
-        momentum = body.foot_velocity + payload * body.velocity
-        foot += (momentum - 0.5 * retardation(physics, body.motion) * t) * t - payload * (z - body.deformation)
-        # At a stop rounding can leave it a hair beyond zero.
-        foot_velocity = body.motion * max(body.motion * foot_velocity_at(body, physics, v, t), 0.0)
-    return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)

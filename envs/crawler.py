@@ -15,7 +15,7 @@ from ..crawler.advance import FINISHED
 from ..crawler.body import STUCK
 from ..crawler.groups import RANGES
 from ..crawler.simulation import solver_error, TOLERANCES
-from ..crawler.taylor import ROWS, WIDTH
+from ..crawler.workspace import ROWS, WIDTH
 from ..reservoir.prequential import PrequentialMemory
 from ..validation import known_names, number_within, whole_number
 from .rendering import Frame, Renderer

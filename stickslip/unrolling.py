@@ -6,7 +6,7 @@ recurrence is an ordinary function over anything that adds and multiplies: float
 values below, whose arithmetic writes the instructions.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from llvmlite import ir
@@ -18,20 +18,50 @@ __all__ = ["fma", "sum_of_products", "unrolled"]
 
 _DOUBLE = ir.DoubleType()
 _INTEGER = ir.IntType(64)
+_LANE = ir.IntType(32)
 # Additions wait four cycles for each other and two can begin in each; more chains than this gain nothing.
 _CHAINS = 4
 
 
 class Traced:
-    """A number that will be known when the code runs; its arithmetic appends instructions."""
+    """A number, or a vector of them, that will be known when the code runs; its arithmetic appends instructions.
+
+    Numbers join a vector's arithmetic as if repeated, but only on its right.
+    """
 
     def __init__(self, builder: ir.IRBuilder, value: ir.Value) -> None:
         self.builder = builder
         self.value = value
 
     def _with(self, instruction: str, *others: Any) -> "Traced":
-        values = [other.value if isinstance(other, Traced) else ir.Constant(_DOUBLE, float(other)) for other in others]
-        return Traced(self.builder, getattr(self.builder, instruction)(self.value, *values))
+        return Traced(self.builder, getattr(self.builder, instruction)(self.value, *map(self._like, others)))
+
+    def _like(self, other: Any) -> ir.Value:
+        """The value of another number, repeated where this is a vector."""
+        scalar = other.value if isinstance(other, Traced) else ir.Constant(_DOUBLE, float(other))
+        if scalar.type == self.value.type:
+            return scalar
+        return self._repeated(scalar, self.value.type.count)
+
+    def _repeated(self, scalar: ir.Value, count: int) -> ir.Value:
+        kind = ir.VectorType(_DOUBLE, count)
+        first = self.builder.insert_element(ir.Constant(kind, ir.Undefined), scalar, ir.Constant(_LANE, 0))
+        lanes = ir.Constant(ir.VectorType(_LANE, count), [0] * count)
+        return self.builder.shuffle_vector(first, ir.Constant(kind, ir.Undefined), lanes)
+
+    def times_each(self, factors: Sequence[float]) -> "Traced":
+        """The vector of the number's products with constants."""
+        vector = Traced(self.builder, self._repeated(self.value, len(factors)))
+        return Traced(self.builder, self.builder.fmul(vector.value, _constants(factors)))
+
+    def weighted_sum(self, weights: Sequence[float]) -> "Traced":
+        """The sum of the vector's elements times constants."""
+        products = self.builder.fmul(self.value, _constants(weights))
+        elements = [
+            Traced(self.builder, self.builder.extract_element(products, ir.Constant(_LANE, i)))
+            for i in range(len(weights))
+        ]
+        return sum(elements[1:], elements[0])
 
     def __add__(self, other: Any) -> "Traced":
         return self._with("fadd", other)
@@ -51,7 +81,14 @@ class Traced:
 
     def fma(self, factor: Any, addend: Any) -> "Traced":
         """The number times a factor plus an addend, rounded once."""
-        return self._with("fma", factor, addend)
+        if isinstance(self.value.type, ir.DoubleType):
+            return self._with("fma", factor, addend)
+        # The builder's own is for numbers only.
+        kind = self.value.type
+        name = f"llvm.fma.v{kind.count}f64"
+        function = cgutils.get_or_insert_function(self.builder.module, ir.FunctionType(kind, [kind] * 3), name)
+        arguments = [self.value, self._like(factor), self._like(addend)]
+        return Traced(self.builder, self.builder.call(function, arguments))
 
     def smaller(self, other: Any) -> "Traced":
         """The lesser of two numbers; `other` where this is NaN."""
@@ -62,7 +99,7 @@ class Traced:
         return self._chosen(">", other)
 
     def _chosen(self, relation: str, other: Any) -> "Traced":
-        right = other.value if isinstance(other, Traced) else ir.Constant(_DOUBLE, float(other))
+        right = self._like(other)
         kept = self.builder.fcmp_ordered(relation, self.value, right)
         return Traced(self.builder, self.builder.select(kept, self.value, right))
 
@@ -130,19 +167,52 @@ def _plus_products(total: Any, pairs: Sequence[tuple[Any, Any]]) -> Any:
     return total
 
 
-def unrolled(recurrence: Callable[..., Sequence[Sequence[Any]]]) -> Any:
-    """Make `kernel(order, inputs, rows)` out of `recurrence(order, *inputs)`, for use in compiled code.
+def _constants(numbers: Sequence[float]) -> ir.Constant:
+    return ir.Constant(ir.VectorType(_DOUBLE, len(numbers)), [ir.Constant(_DOUBLE, float(each)) for each in numbers])
+
+
+class Row:
+    """A row of the array that the code works on; its elements are loaded where they are used."""
+
+    def __init__(self, builder: ir.IRBuilder, start: ir.Value) -> None:
+        self.builder = builder
+        self.start = start
+
+    def _place(self, n: int) -> ir.Value:
+        return self.builder.gep(self.start, [ir.Constant(_INTEGER, n)])
+
+    def __getitem__(self, n: int) -> Traced:
+        return Traced(self.builder, self.builder.load(self._place(n)))
+
+    def __setitem__(self, n: int, number: Traced) -> None:
+        self.builder.store(number.value, self._place(n))
+
+
+class Rows:
+    """The array that the code works on, row by row."""
+
+    def __init__(self, builder: ir.IRBuilder, data: ir.Value, width: ir.Value) -> None:
+        self.builder = builder
+        self.data = data
+        self.width = width
+
+    def __getitem__(self, i: int) -> Row:
+        start = self.builder.mul(self.width, ir.Constant(_INTEGER, i))
+        return Row(self.builder, self.builder.gep(self.data, [start]))
+
+
+def unrolled(recurrence: Callable[..., Mapping[int, Sequence[Any]]]) -> Any:
+    """Make `kernel(order, inputs, rows)` out of `recurrence(order, rows, *inputs)`, for use in compiled code.
 
     Parameters
     ----------
     recurrence : callable
-        Takes an int and numbers; gives lists of numbers, in any arithmetic.
+        Takes an int, rows of numbers to read, and numbers; gives lists of numbers by the row that they are to fill.
 
     Returns
     -------
     numba intrinsic
-        `order` must be a literal, `inputs` a tuple of floats, `rows` a C-contiguous array of float64 whose row i
-        receives list i.
+        `order` must be a literal, `inputs` a tuple of floats, `rows` a C-contiguous array of float64.
     """
 
     @intrinsic  # type: ignore[misc]
@@ -153,11 +223,11 @@ def unrolled(recurrence: Callable[..., Sequence[Sequence[Any]]]) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             numbers = [Traced(builder, value) for value in cgutils.unpack_tuple(builder, arguments[1])]
             array = context.make_array(signature.args[2])(context, builder, arguments[2])
-            width = builder.extract_value(array.shape, 1)
-            for i, row in enumerate(recurrence(order.literal_value, *numbers)):
-                start = builder.gep(array.data, [builder.mul(width, ir.Constant(_INTEGER, i))])
-                for n, number in enumerate(row):
-                    builder.store(number.value, builder.gep(start, [ir.Constant(_INTEGER, n)]))
+            workspace = Rows(builder, array.data, builder.extract_value(array.shape, 1))
+            for i, results in recurrence(order.literal_value, workspace, *numbers).items():
+                row = workspace[i]
+                for n, number in enumerate(results):
+                    row[n] = number
             return context.get_dummy_value()
 
         return types.void(order, inputs, rows), codegen

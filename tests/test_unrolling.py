@@ -13,11 +13,11 @@ from stickslip.unrolling import fma, sum_of_products, unrolled
 numbers = st.floats(-1e3, 1e3)
 
 
-def powers(order, x, y):
+def powers(order, _rows, x, y):
     row = [x]
     for _ in range(order):
         row.append(row[-1] * y)
-    return row, [abs(x).smaller(y), abs(x).larger(y), x / y, fma(x, y, 1.0), x - y]
+    return {0: row, 1: [abs(x).smaller(y), abs(x).larger(y), x / y, fma(x, y, 1.0), x - y]}
 
 
 write_powers = unrolled(powers)
@@ -47,8 +47,8 @@ def test_sum_of_products(count):
         assert sum_of_products(left, right) == int(np.dot(left, right))
 
 
-def estimates(_, x):
-    return ([x.log2(), (x * 0.01).exp2()],)
+def estimates(_order, _rows, x):
+    return {0: [x.log2(), (x * 0.01).exp2()]}
 
 
 write_estimates = unrolled(estimates)
@@ -73,3 +73,23 @@ def test_the_logarithm_of_nothing_and_of_infinity_can_be_compared():
     assert rows[0, 0] < -1000.0
     estimated(np.inf, rows)
     assert rows[0, 0] > 1000.0
+
+
+def quadratic_at_four_places(_order, rows, scale):
+    t = scale.times_each([1.0, 2.0, 3.0, 4.0])
+    return {1: [t.fma(rows[0][2], rows[0][1]).fma(t, rows[0][0]).weighted_sum([1.0, 10.0, 100.0, 1000.0])]}
+
+
+write_quadratic = unrolled(quadratic_at_four_places)
+
+
+@njit
+def quadratic(scale, rows):
+    write_quadratic(1, (scale,), rows)
+
+
+def test_a_vector_reads_rows_and_is_summed():
+    rows = np.array([[2.0, 3.0, 5.0], [np.nan] * 3])
+    quadratic(0.5, rows)
+    places = 0.5 * np.arange(1, 5)
+    assert rows[1, 0] == (2.0 + 3.0 * places + 5.0 * places**2) @ 10.0 ** np.arange(4)

@@ -7,7 +7,7 @@ from stickslip.crawler import REST, Scene, simulate
 from stickslip.crawler.advance import control_for, FINISHED
 from stickslip.crawler.body import Body, physics, STUCK
 from stickslip.crawler.simulation import drive
-from stickslip.crawler.taylor import ROWS, WIDTH
+from stickslip.crawler.workspace import ROWS, WIDTH
 
 __all__ = ["KERNEL", "LIBRARY", "SIMULATE", "contenders", "foot_under_plain_friction"]
 

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 from stickslip.crawler import Groups, Scene, simulate, State
 from stickslip.crawler.advance import advance, control_for, FINISHED
 from stickslip.crawler.body import Body, FORWARD, Ledger, physics, STUCK
-from stickslip.crawler.taylor import ROWS, WIDTH
+from stickslip.crawler.workspace import ROWS, WIDTH
 
 SYMMETRIC = Scene(ratchet=False)
 

@@ -7,7 +7,7 @@ from stickslip.crawler import Groups, Scene, simulate, SolverError, State
 from stickslip.crawler.advance import advance, control_for, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS
 from stickslip.crawler.body import Body, Ledger, physics, STUCK
 from stickslip.crawler.simulation import solver_error
-from stickslip.crawler.taylor import ROWS, WIDTH
+from stickslip.crawler.workspace import ROWS, WIDTH
 
 REFUSED = [
     ("valve", {"valve": [0, 2]}, ValueError, r"valve must hold only 0 and 1"),

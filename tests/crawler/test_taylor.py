@@ -8,17 +8,15 @@ from stickslip.crawler import Groups, Scene
 from stickslip.crawler.body import BACKWARD, Body, FORWARD, physics, STUCK
 from stickslip.crawler.polynomial import LARGEST_DEGREE
 from stickslip.crawler.recurrence import coefficients
-from stickslip.crawler.taylor import (
+from stickslip.crawler.taylor import expand, order_for, ORDERS
+from stickslip.crawler.workspace import (
     END_FORCE,
     END_V,
     END_Z,
-    expand,
     FORCE,
     HIGHEST,
     LENGTH,
     LOWEST,
-    order_for,
-    ORDERS,
     P,
     ROWS,
     STEP,

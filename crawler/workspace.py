@@ -1,0 +1,30 @@
+"""The scratch array that the solvers work on: which row holds what."""
+
+from .polynomial import LARGEST_DEGREE
+
+__all__ = [
+    "END_FORCE",
+    "END_V",
+    "END_Z",
+    "FORCE",
+    "HIGHEST",
+    "LENGTH",
+    "LOWEST",
+    "ROWS",
+    "SCRATCH",
+    "STEP",
+    "VISCOUS",
+    "WIDTH",
+    "WORK",
+    "P",
+    "V",
+    "Z",
+]
+
+# Polynomials of z, v, p and F in the time since the step's start, what else a step needs, and one row for events.
+ROWS = 6
+WIDTH = LARGEST_DEGREE + 2
+Z, V, P, FORCE, STEP, SCRATCH = range(ROWS)
+# Columns of the row STEP: its length; z, v and F at its end; the least and the greatest that the terms of the event
+# function beyond the constant one can add up to; and the step's energies.
+LENGTH, END_Z, END_V, END_FORCE, LOWEST, HIGHEST, WORK, VISCOUS = range(8)
