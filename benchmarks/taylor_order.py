@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.crawler import Groups, Scene
 from stickslip.crawler.advance import control_for
 from stickslip.crawler.body import Body, physics
-from stickslip.crawler.simulation import drive
+from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.taylor import order_for, ORDERS
 from stickslip.crawler.workspace import ROWS, WIDTH
 
@@ -22,7 +22,7 @@ ROUNDS = 31
 
 def main() -> None:
     """Print the table."""
-    coefficients = physics(Groups(), Scene())
+    coefficients, drive = physics(Groups(), Scene()), SOLVERS["taylor"].drive
     rest = Body(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)
     samples, events, series = np.empty((5, len(WORD))), np.empty((0, 2)), np.empty((ROWS, WIDTH))
     print("relative cost (error of the foot after 200 time units); * marks the order chosen")

@@ -12,16 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled
-from .body import Body, Ledger, Physics, STUCK
+from .body import Body, Ledger, Physics
 from .energy import account
 from .equations import force, inverse_mass, moved, pressure_after
-from .events import next_event
+from .events import change_motion, next_event
 from .polynomial import horner
 from .taylor import expand, order_for, state_at
 from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, Z
 
 __all__ = [
     "DIVERGED",
+    "FARTHEST",
     "FINISHED",
     "LOG_FULL",
     "MAX_STEPS",
@@ -30,6 +31,7 @@ __all__ = [
     "Outcome",
     "advance",
     "control_for",
+    "record",
 ]
 
 FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
@@ -37,7 +39,7 @@ FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
 # About a second of work, a thousand times what the default crawler needs for a hold of 100.
 MAX_STEPS = 1_000_000
 # No bounded body stretches so far; beyond, a float32 observation and the squares of the motion would soon overflow.
-_FARTHEST = 1e12
+FARTHEST = 1e12
 # Largest defect of a step, in tolerances: a sound step's is about one.
 _TRUST = 4.0
 # Rounding of a force relative to its terms, below which no defect is to be seen.
@@ -132,24 +134,20 @@ def advance(
             sampled = end
             if moment - elapsed < longest:
                 sampled = state_at(body, physics, pressure, control.order, min(moment - elapsed, length), series)
-            samples[0, done] = sampled.deformation
-            samples[1, done] = sampled.velocity
-            samples[2, done] = pressure
-            samples[3, done] = sampled.foot
-            samples[4, done] = sampled.foot_velocity
+            record(sampled, samples, done)
             done += 1
 
         following = end
         if length < longest:
             pressure = pressure_after(opening, physics, valve, reached)
             following = state_at(body, physics, pressure, control.order, length, series)
-        if not abs(following.deformation) + abs(following.velocity) < _FARTHEST:
+        if not abs(following.deformation) + abs(following.velocity) < FARTHEST:
             return Outcome(DIVERGED, elapsed, logged, body, ledger)
         if control.energy:
             ledger = account(ledger, body, following, physics, control.order, length, series)
         elapsed = reached
         if motion != body.motion:
-            following = _change_motion(following, motion, physics)
+            following = change_motion(following, motion, physics)
             if control.log:
                 if logged == events.shape[0]:
                     return Outcome(LOG_FULL, elapsed, logged, body, ledger)
@@ -163,15 +161,13 @@ def advance(
 
 
 @compiled
-def _change_motion(body: Body, motion: int, physics: Physics) -> Body:
-    """The state just after the foot breaks loose or stops.
-
-    A foot that turns round without friction has had nothing to break loose from, and that is no slip.
-    """
-    slips = body.slips
-    if motion != STUCK and (body.motion == STUCK or physics.static_friction > 0.0):
-        slips += 1
-    return Body(body.deformation, body.velocity, body.pressure, body.foot, 0.0, motion, slips)
+def record(body: Body, samples: NDArray[np.float64], column: int) -> None:
+    """Write z, v, p, x, w into one column."""
+    samples[0, column] = body.deformation
+    samples[1, column] = body.velocity
+    samples[2, column] = body.pressure
+    samples[3, column] = body.foot
+    samples[4, column] = body.foot_velocity
 
 
 @compiled

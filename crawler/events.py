@@ -9,12 +9,12 @@ from .equations import foot_velocity_at, force, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative
 from .workspace import FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
 
-__all__ = ["next_event"]
+__all__ = ["BRAKING", "change_motion", "comes_to_rest", "foot_speed", "motion_after_rest", "next_event"]
 
 # At a graze Newton halves the distance to the root, and no more, with every iteration.
 _POLISHINGS = 40
 # Least braking force, above the rounding of a force, that tells a foot coming to rest from one breaking loose.
-_BRAKING = 1e-12
+BRAKING = 1e-12
 
 
 @compiled
@@ -37,7 +37,7 @@ def next_event(
         else:
             if direction != body.motion:
                 continue
-            degree = _slide(body, physics, order, series)
+            degree = foot_speed(body, physics, order, series)
         descent = first_descent(series[SCRATCH], degree, length)
         if stuck and 0.0 < descent <= length:
             descent = _polish(descent, direction, body, physics, valve, order, length, series)
@@ -49,11 +49,8 @@ def next_event(
             return length, body.motion
         moment = length
         motion = STUCK
-    if not (stuck or physics.ratchet):
-        # A foot that comes to rest under too great a push turns round at once, and without friction any is too great.
-        push = body.motion * (horner(series[FORCE], order, moment) + physics.foot_fraction * physics.slope)
-        if push > physics.static_friction or physics.static_friction == 0.0:
-            motion = -body.motion
+    if not stuck:
+        motion = motion_after_rest(body.motion, physics, horner(series[FORCE], order, moment))
     return moment, motion
 
 
@@ -68,17 +65,43 @@ def _quiet(body: Body, physics: Physics, series: NDArray[np.float64]) -> bool:
 
 
 @compiled
-def _rests_at_end(body: Body, physics: Physics, order: int, length: float, series: NDArray[np.float64]) -> bool:
-    """Whether rounding alone has hidden that the sliding foot comes to rest as the step ends.
+def motion_after_rest(motion: int, physics: Physics, pull: float) -> int:
+    """What follows when a foot that slid comes to rest under the force `pull`.
+
+    Under too great a push it turns round at once, and without friction any is too great.
+    """
+    push = motion * (pull + physics.foot_fraction * physics.slope)
+    if not physics.ratchet and (push > physics.static_friction or physics.static_friction == 0.0):
+        return -motion
+    return STUCK
+
+
+@compiled
+def comes_to_rest(motion: int, physics: Physics, pull: float, foot_velocity: float) -> bool:
+    """Whether rounding alone has hidden that the sliding foot comes to rest here, under the force `pull`.
 
     A foot at rest in the next step would be taken for one that has just broken loose, which drag does not hold back.
     """
-    velocity = horner(series[V], order + 1, length)
-    if body.motion * foot_velocity_at(body, physics, velocity, length) > 0.0:
-        return False
-    pull = horner(series[FORCE], order, length) + physics.foot_fraction * physics.slope
-    braking = body.motion * pull + physics.kinetic_friction
-    return braking > _BRAKING
+    braking = motion * (pull + physics.foot_fraction * physics.slope) + physics.kinetic_friction
+    return motion * foot_velocity <= 0.0 and braking > BRAKING
+
+
+@compiled
+def change_motion(body: Body, motion: int, physics: Physics) -> Body:
+    """The state just after the foot breaks loose or stops.
+
+    A foot that turns round without friction has had nothing to break loose from, and that is no slip.
+    """
+    slips = body.slips
+    if motion != STUCK and (body.motion == STUCK or physics.static_friction > 0.0):
+        slips += 1
+    return Body(body.deformation, body.velocity, body.pressure, body.foot, 0.0, motion, slips)
+
+
+@compiled
+def _rests_at_end(body: Body, physics: Physics, order: int, length: float, series: NDArray[np.float64]) -> bool:
+    velocity = foot_velocity_at(body, physics, horner(series[V], order + 1, length), length)
+    return comes_to_rest(body.motion, physics, horner(series[FORCE], order, length), velocity)
 
 
 @compiled
@@ -92,7 +115,7 @@ def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float
 
 
 @compiled
-def _slide(body: Body, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
+def foot_speed(body: Body, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
     """Write the sliding foot's speed, from the momentum; return its degree."""
     speed = series[SCRATCH]
     direction = body.motion
@@ -141,4 +164,4 @@ def _polish(
         if abs(change) <= 2.0 * np.finfo(np.float64).eps * moment:
             break
     # Near a graze the series can cross a threshold that the state does not reach in this step: nothing breaks loose.
-    return np.inf if margin > _BRAKING else moment
+    return np.inf if margin > BRAKING else moment

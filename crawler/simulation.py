@@ -7,18 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..compilation import compiled
 from ..validation import number_within, whole_number
-from .advance import advance, Control, control_for, DIVERGED, FINISHED, LOG_FULL, Outcome
+from .advance import Control, control_for, DIVERGED, FINISHED, LOG_FULL, Outcome
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, physics, REST, State, STUCK
 from .groups import Groups
 from .scene import Scene
+from .solvers import AUTO, choose, Solver, SOLVERS
 from .trajectory import EVENT, Trajectory
-from .workspace import ROWS, WIDTH
 
 __all__ = ["HOLDS", "TOLERANCES", "SolverError", "simulate", "solver_error"]
 
-_SOLVERS = ("auto", "taylor")
 HOLDS = "(0, inf)"
 TOLERANCES = "[1e-15, 1e-2]"
 
@@ -52,8 +50,9 @@ def simulate(
         On the ground with a ratcheted foot by default.
     tolerance : float, in [1e-15, 1e-2]
         Largest term neglected from the acceleration's Taylor series in a step, natural units.
-    solver : {"auto", "taylor"}
-        "auto" takes the cheapest that meets the tolerance.
+    solver : {"auto", "closed_form", "taylor"}
+        "auto" takes the cheapest that meets the tolerance: the closed form wherever duffing = radial_coupling = 0,
+        which is exact to rounding whatever the tolerance.
     samples_per_hold : int, >= 1
         Equally spaced in each hold, the last at its end.
     initial : State, optional
@@ -67,15 +66,16 @@ def simulate(
     Raises
     ------
     ValueError, TypeError
-        If an argument is out of its range or of the wrong type; the message names it.
+        If an argument is out of its range or of the wrong type, or "closed_form" is asked for of groups that are not
+        linear; the message names it.
     SolverError
         If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or a hold needs more than a million steps.
     """
     scene = Scene.of(scene)
     hold = number_within("hold", hold, HOLDS)
     tolerance = number_within("tolerance", tolerance, TOLERANCES)
-    if solver not in _SOLVERS:
-        raise ValueError(f"solver must be one of {list(_SOLVERS)}, got {solver!r}")
+    if solver != AUTO and solver not in SOLVERS:
+        raise ValueError(f"solver must be one of {[AUTO, *SOLVERS]}, got {solver!r}")
     samples_per_hold = whole_number("samples_per_hold", samples_per_hold, 1)
     crawlers, schedule, single = _batch(groups, valve)
     body = _start(REST if initial is None else initial, scene)
@@ -86,9 +86,10 @@ def simulate(
     finals: list[Body] = []
     ledgers: list[Ledger] = []
     logs: list[NDArray[np.void]] = []
+    solvers = [choose(solver, groups_of) for groups_of in crawlers]
     for member, groups_of in enumerate(crawlers):
         outcome, finished, events = _run(
-            body, physics(groups_of, scene), schedule[member], hold, control, samples[member]
+            body, physics(groups_of, scene), schedule[member], hold, control, samples[member], solvers[member]
         )
         if outcome.status != FINISHED:
             reached = finished * hold + outcome.elapsed
@@ -124,7 +125,7 @@ def simulate(
         viscous_loss=shaped(viscous),
         friction_loss=shaped(friction),
         hold=hold,
-        model="anchored, taylor" if scene.anchored else "on the ground, taylor",
+        model=_model(scene, solvers),
     )
 
 
@@ -135,74 +136,17 @@ def _run(
     hold: float,
     control: Control,
     samples: NDArray[np.float64],
+    solver: Solver,
 ) -> tuple[Outcome, int, NDArray[np.float64]]:
     """Advance one crawler through its schedule: the outcome, the holds finished, and the events."""
-    series = np.empty((ROWS, WIDTH))
+    workspace = solver.workspace(coefficients, hold, samples.shape[1] // len(schedule))
     capacity = 64 + 4 * len(schedule)
     while True:
         events = np.empty((capacity, 2))
-        outcome, finished = drive(body, coefficients, schedule, hold, control, samples, events, series)
+        outcome, finished = solver.drive(body, coefficients, schedule, hold, control, samples, events, workspace)
         if outcome.status != LOG_FULL:
             return outcome, finished, events[: outcome.logged]
         capacity *= 2
-
-
-@compiled
-def drive(
-    body: Body,
-    coefficients: Physics,
-    schedule: NDArray[np.int8],
-    hold: float,
-    control: Control,
-    samples: NDArray[np.float64],
-    events: NDArray[np.float64],
-    series: NDArray[np.float64],
-) -> tuple[Outcome, int]:
-    """Advance one crawler through its schedule.
-
-    Parameters
-    ----------
-    body : Body
-    coefficients : Physics
-    schedule : (holds,) array of int8
-    hold : float
-    control : Control
-    samples : (5, holds * samples_per_hold) array
-        Receives z, v, p, x, w.
-    events : (capacity, 2) array
-        Receives times and new motions.
-    series : (ROWS, WIDTH) array
-        Scratch.
-
-    Returns
-    -------
-    outcome : Outcome
-        Of the last hold begun, with the number of events of all.
-    finished : int
-        Holds completed.
-    """
-    each = samples.shape[1] // len(schedule)
-    ledger = Ledger(0.0, 0.0, 0.0)
-    logged = 0
-    for k in range(len(schedule)):
-        outcome = advance(
-            body,
-            ledger,
-            coefficients,
-            float(schedule[k]),
-            hold,
-            control,
-            k * hold,
-            samples[:, k * each : (k + 1) * each],
-            events[logged:],
-            series,
-        )
-        body = outcome.body
-        ledger = outcome.ledger
-        logged += outcome.logged
-        if outcome.status != FINISHED:
-            return Outcome(outcome.status, outcome.elapsed, logged, body, ledger), k
-    return Outcome(FINISHED, hold, logged, body, ledger), len(schedule)
 
 
 def solver_error(status: int, time: float, deformation: float, groups: Groups, tolerance: float) -> SolverError:
@@ -272,6 +216,13 @@ def _start(initial: State, scene: Scene) -> Body:
     if state.foot_velocity != 0.0:
         motion = FORWARD if state.foot_velocity > 0.0 else BACKWARD
     return Body(*state, motion, 0)
+
+
+def _model(scene: Scene, solvers: list[Solver]) -> str:
+    """What was integrated, and by which solver."""
+    where = "anchored" if scene.anchored else "on the ground"
+    names = sorted({solver.name.replace("_", " ") for solver in solvers})
+    return "; ".join(f"{where}, {name}" for name in names)
 
 
 def _stored(body: Body, groups: Groups, scene: Scene) -> float:

@@ -6,7 +6,7 @@ from peer_solvers.problem import Contender, GROUPS, HOLD, Journey, Word
 from stickslip.crawler import REST, Scene, simulate
 from stickslip.crawler.advance import control_for, FINISHED
 from stickslip.crawler.body import Body, physics, STUCK
-from stickslip.crawler.simulation import drive
+from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.workspace import ROWS, WIDTH
 
 __all__ = ["KERNEL", "LIBRARY", "SIMULATE", "contenders", "foot_under_plain_friction"]
@@ -47,7 +47,7 @@ def _kernel(tolerance: float):
 
     def run(word: Word) -> Journey:
         into = samples.setdefault(len(word), np.empty((5, len(word))))
-        outcome, _ = drive(body, coefficients, word, HOLD, control, into, events, series)
+        outcome, _ = SOLVERS["taylor"].drive(body, coefficients, word, HOLD, control, into, events, series)
         assert outcome.status == FINISHED
         return Journey(outcome.body.foot, outcome.body.slips)
 
