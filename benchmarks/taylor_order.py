@@ -9,8 +9,8 @@ import time
 import numpy as np
 
 from stickslip.crawler import Groups, Scene
-from stickslip.crawler.advance import control_for
 from stickslip.crawler.body import Body, physics
+from stickslip.crawler.driving import drive
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.taylor import order_for, ORDERS
 from stickslip.crawler.workspace import ROWS, WIDTH
@@ -22,7 +22,7 @@ ROUNDS = 31
 
 def main() -> None:
     """Print the table."""
-    coefficients, drive = physics(Groups(), Scene()), SOLVERS["taylor"].drive
+    coefficients = physics(Groups(), Scene())
     rest = Body(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)
     samples, events, series = np.empty((5, len(WORD))), np.empty((0, 2)), np.empty((ROWS, WIDTH))
     print("relative cost (error of the foot after 200 time units); * marks the order chosen")
@@ -31,7 +31,7 @@ def main() -> None:
         error = {}
         for _ in range(ROUNDS):
             for order in ORDERS:
-                control = control_for(tolerance)._replace(order=order)
+                control = SOLVERS["taylor"].control(tolerance)._replace(order=order)
                 start = time.perf_counter()
                 drive(rest, coefficients, WORD, 1.0, control, samples, events, series)
                 seconds[order].append(time.perf_counter() - start)

@@ -1,76 +1,132 @@
 """A crawler through its schedule, whichever way a hold is advanced."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numba.extending import overload
 from numpy.typing import NDArray
 
 from ..compilation import compiled
-from .advance import Control, FINISHED, Outcome
+from .advance import advance
 from .body import Body, Ledger, Physics
+from .control import ClosedForm, Control, FINISHED, Outcome
+from .linear import advance_linear
 
-__all__ = ["driver"]
+__all__ = ["advance_by_method", "drive"]
 
 
-def driver(advance: Callable[..., Outcome]) -> Callable[..., Any]:
-    """Make the kernel that calls `advance` hold after hold; only what is driven is compiled."""
+def advance_by_method(
+    body: Body,
+    ledger: Ledger,
+    physics: Physics,
+    valve: float,
+    hold: float,
+    control: Control,
+    start: float,
+    samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+) -> Outcome:
+    """One hold by the control's method, in compiled code alone: see `advance` and `advance_linear`."""
+    raise NotImplementedError
 
-    @compiled
-    def drive(
-        body: Body,
-        coefficients: Physics,
-        schedule: NDArray[np.int8],
-        hold: float,
-        control: Control,
-        samples: NDArray[np.float64],
-        events: NDArray[np.float64],
-        workspace: NDArray[np.float64],
-    ) -> tuple[Outcome, int]:
-        """Advance one crawler through its schedule.
 
-        Parameters
-        ----------
-        body : Body
-        coefficients : Physics
-        schedule : (holds,) array of int8
-        hold : float
-        control : Control
-        samples : (5, holds * samples_per_hold) array
-            Receives z, v, p, x, w.
-        events : (capacity, 2) array
-            Receives times and new motions.
-        workspace : array
-            What `advance` works on.
+@overload(advance_by_method)
+def _compiled_advance(
+    body: Any,
+    ledger: Any,
+    physics: Any,
+    valve: Any,
+    hold: Any,
+    control: Any,
+    start: Any,
+    samples: Any,
+    events: Any,
+    workspace: Any,
+) -> Any:
+    kernel = advance_linear if control[-1].instance_class is ClosedForm else advance
 
-        Returns
-        -------
-        outcome : Outcome
-            Of the last hold begun, with the number of events of all.
-        finished : int
-            Holds completed.
-        """
-        each = samples.shape[1] // len(schedule)
-        ledger = Ledger(0.0, 0.0, 0.0)
-        logged = 0
-        for k in range(len(schedule)):
-            outcome = advance(
-                body,
-                ledger,
-                coefficients,
-                float(schedule[k]),
-                hold,
-                control,
-                k * hold,
-                samples[:, k * each : (k + 1) * each],
-                events[logged:],
-                workspace,
-            )
-            body = outcome.body
-            ledger = outcome.ledger
-            logged += outcome.logged
-            if outcome.status != FINISHED:
-                return Outcome(outcome.status, outcome.elapsed, logged, body, ledger), k
-        return Outcome(FINISHED, hold, logged, body, ledger), len(schedule)
+    def implementation(
+        body: Any,
+        ledger: Any,
+        physics: Any,
+        valve: Any,
+        hold: Any,
+        control: Any,
+        start: Any,
+        samples: Any,
+        events: Any,
+        workspace: Any,
+    ) -> Any:
+        return kernel(body, ledger, physics, valve, hold, control, start, samples, events, workspace)
 
-    return drive
+    return implementation
+
+
+@compiled
+def drive(
+    body: Body,
+    coefficients: Physics,
+    schedule: NDArray[np.int8],
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+) -> tuple[Outcome, int]:
+    """Advance one crawler through its schedule.
+
+    Parameters
+    ----------
+    body : Body
+    coefficients : Physics
+    schedule : (holds,) array of int8
+    hold : float
+    control : Control
+        Its step budget is that of the whole run.
+    samples : (5, holds * samples_per_hold) array
+        Receives z, v, p, x, w.
+    events : (capacity, 2) array
+        Receives times and new motions.
+    workspace : array
+        What `advance` works on.
+
+    Returns
+    -------
+    outcome : Outcome
+        Of the last hold begun, with the steps and events of all.
+    finished : int
+        Holds completed.
+    """
+    each = samples.shape[1] // len(schedule)
+    ledger = Ledger(0.0, 0.0, 0.0)
+    logged = 0
+    steps = 0
+    for k in range(len(schedule)):
+        left = Control(
+            control.tolerance,
+            control.order,
+            control.max_steps - steps,
+            control.energy,
+            control.log,
+            control.method,
+        )
+        outcome = advance_by_method(
+            body,
+            ledger,
+            coefficients,
+            float(schedule[k]),
+            hold,
+            left,
+            k * hold,
+            samples[:, k * each : (k + 1) * each],
+            events[logged:],
+            workspace,
+        )
+        body = outcome.body
+        ledger = outcome.ledger
+        logged += outcome.logged
+        steps += outcome.steps
+        if outcome.status != FINISHED:
+            return Outcome(outcome.status, outcome.elapsed, steps, logged, body, ledger), k
+    return Outcome(FINISHED, hold, steps, logged, body, ledger), len(schedule)

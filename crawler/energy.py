@@ -25,7 +25,7 @@ def account(
     inputs = (length, physics.radial_coupling)
     if order == 8:
         write_energies(8, inputs, series)
-    elif order == 12:
+    elif order <= 12:  # a collocation's polynomials are of any degree up to this, and padded with zeros
         write_energies(12, inputs, series)
     elif order == 16:
         write_energies(16, inputs, series)

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled
-from .advance import Control, DIVERGED, FARTHEST, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome, record
+from .advance import FARTHEST, record
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
 from .closed_form import Propagator, propagator, Rates, rates_of, tabulated
+from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome
 from .equations import acceleration_at_no_force, force, moved, retardation
 from .events import change_motion, comes_to_rest, foot_speed, motion_after_rest
 from .groups import Groups
@@ -92,7 +93,7 @@ def advance_linear(
         moment, motion, looks = _next_event(body, deviating, physics, valve, rates, length, whole, budget)
         spent += looks + 1
         if spent >= control.max_steps:
-            return Outcome(OUT_OF_STEPS, elapsed, logged, body, ledger)
+            return Outcome(OUT_OF_STEPS, elapsed, spent, logged, body, ledger)
         last = motion == body.motion
         reached = hold if last else elapsed + moment
         following = body
@@ -115,7 +116,7 @@ def advance_linear(
             over = whole if last else propagator(rates, moment)
             following = _carried(body, deviating, physics, valve, over, moment)
         if not abs(following.deformation) + abs(following.velocity) < FARTHEST:
-            return Outcome(DIVERGED, elapsed, logged, body, ledger)
+            return Outcome(DIVERGED, elapsed, spent, logged, body, ledger)
         if control.energy:
             ended = deviation(following, physics, valve, rates)
             ledger = account_linear(ledger, body, following, physics, valve, rates, deviating, ended, moment)
@@ -124,13 +125,13 @@ def advance_linear(
             following = change_motion(following, motion, physics)
             if control.log:
                 if logged == events.shape[0]:
-                    return Outcome(LOG_FULL, elapsed, logged, body, ledger)
+                    return Outcome(LOG_FULL, elapsed, spent, logged, body, ledger)
                 events[logged, 0] = start + elapsed
                 events[logged, 1] = motion
                 logged += 1
         body = following
         if last:
-            return Outcome(FINISHED, hold, logged, body, ledger)
+            return Outcome(FINISHED, hold, spent, logged, body, ledger)
 
 
 @compiled

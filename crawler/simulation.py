@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import number_within, whole_number
-from .advance import Control, control_for, DIVERGED, FINISHED, LOG_FULL, Outcome
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, physics, REST, State, STUCK
+from .control import Control, DIVERGED, FINISHED, LOG_FULL, MAX_STEPS, Outcome
+from .cost import fastest_rate
+from .driving import drive
 from .groups import Groups
 from .scene import Scene
 from .solvers import AUTO, choose, Solver, SOLVERS
@@ -19,6 +21,7 @@ __all__ = ["HOLDS", "TOLERANCES", "SolverError", "simulate", "solver_error"]
 
 HOLDS = "(0, inf)"
 TOLERANCES = "[1e-15, 1e-2]"
+_STEPS_A_HOLD = 1000
 
 
 class SolverError(RuntimeError):
@@ -35,6 +38,7 @@ def simulate(
     solver: str = "auto",
     samples_per_hold: int = 1,
     initial: State | None = None,
+    max_steps: int | None = None,
 ) -> Trajectory:
     """Drive one crawler, or a batch, by a sequence of valve states.
 
@@ -49,14 +53,17 @@ def simulate(
     scene : Scene, optional
         On the ground with a ratcheted foot by default.
     tolerance : float, in [1e-15, 1e-2]
-        Largest term neglected from the acceleration's Taylor series in a step, natural units.
-    solver : {"auto", "closed_form", "taylor"}
-        "auto" takes the cheapest that meets the tolerance: the closed form wherever duffing = radial_coupling = 0,
-        which is exact to rounding whatever the tolerance.
+        Largest term neglected from the acceleration's Taylor series in a step, or largest error of deformation, rate
+        and force in a step of "radau", natural units. The closed form is exact to rounding whatever the tolerance.
+    solver : {"auto", "closed_form", "taylor", "radau"}
+        "closed_form" takes groups with duffing = radial_coupling = 0; "taylor" is cheapest for most others, and
+        "radau", L-stable, for stiff ones. "auto" takes the one that is predicted to be cheapest.
     samples_per_hold : int, >= 1
         Equally spaced in each hold, the last at its end.
     initial : State, optional
         At rest by default; the same for the whole batch.
+    max_steps : int, optional
+        Steps that each crawler may take in all; a million and a thousand a hold by default.
 
     Returns
     -------
@@ -69,7 +76,7 @@ def simulate(
         If an argument is out of its range or of the wrong type, or "closed_form" is asked for of groups that are not
         linear; the message names it.
     SolverError
-        If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or a hold needs more than a million steps.
+        If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or takes more than `max_steps`.
     """
     scene = Scene.of(scene)
     hold = number_within("hold", hold, HOLDS)
@@ -79,21 +86,23 @@ def simulate(
     samples_per_hold = whole_number("samples_per_hold", samples_per_hold, 1)
     crawlers, schedule, single = _batch(groups, valve)
     body = _start(REST if initial is None else initial, scene)
-    control = control_for(tolerance, energy=True, log=True)
 
     batch, holds = schedule.shape
+    budget = MAX_STEPS + _STEPS_A_HOLD * holds if max_steps is None else whole_number("max_steps", max_steps, 1)
     samples = np.empty((batch, 5, holds * samples_per_hold))
     finals: list[Body] = []
     ledgers: list[Ledger] = []
     logs: list[NDArray[np.void]] = []
-    solvers = [choose(solver, groups_of) for groups_of in crawlers]
-    for member, groups_of in enumerate(crawlers):
+    solvers = [choose(solver, groups_of, scene, hold, tolerance) for groups_of in crawlers]
+    for member, (groups_of, by) in enumerate(zip(crawlers, solvers, strict=True)):
+        control = by.control(tolerance, energy=True, log=True, max_steps=budget)
         outcome, finished, events = _run(
-            body, physics(groups_of, scene), schedule[member], hold, control, samples[member], solvers[member]
+            body, physics(groups_of, scene), schedule[member], hold, control, samples[member], by
         )
         if outcome.status != FINISHED:
             reached = finished * hold + outcome.elapsed
-            raise solver_error(outcome.status, reached, outcome.body.deformation, groups_of, tolerance)
+            deformation, steps = outcome.body.deformation, outcome.steps
+            raise solver_error(outcome.status, reached, deformation, steps, groups_of, scene, tolerance, by.name)
         finals.append(outcome.body)
         ledgers.append(outcome.ledger)
         log = np.empty(len(events), EVENT)
@@ -143,14 +152,23 @@ def _run(
     capacity = 64 + 4 * len(schedule)
     while True:
         events = np.empty((capacity, 2))
-        outcome, finished = solver.drive(body, coefficients, schedule, hold, control, samples, events, workspace)
+        outcome, finished = drive(body, coefficients, schedule, hold, control, samples, events, workspace)
         if outcome.status != LOG_FULL:
             return outcome, finished, events[: outcome.logged]
         capacity *= 2
 
 
-def solver_error(status: int, time: float, deformation: float, groups: Groups, tolerance: float) -> SolverError:
-    """The exception that tells what an unfinished hold means.
+def solver_error(
+    status: int,
+    time: float,
+    deformation: float,
+    steps: int,
+    groups: Groups,
+    scene: Scene,
+    tolerance: float,
+    solver: str,
+) -> SolverError:
+    """The exception that tells what an unfinished run means: where, why, and what to change.
 
     Parameters
     ----------
@@ -158,17 +176,25 @@ def solver_error(status: int, time: float, deformation: float, groups: Groups, t
         DIVERGED or OUT_OF_STEPS.
     time, deformation : float
         How far the motion got.
+    steps : int
+        The budget.
     groups : Groups
+    scene : Scene
     tolerance : float
+    solver : str
     """
     where = f"at time {time:.6g} (z = {deformation:.6g})"
     if status == DIVERGED:
         unbounded = groups.duffing == 0.0 and groups.radial_coupling > 1.0
         cause = "a body with radial_coupling > 1 needs duffing > 0" if unbounded else "it began too far or too fast"
         return SolverError(f"the motion diverged {where}: {cause}, with {groups}")
+    cause, rate = fastest_rate(groups, scene, deformation)
+    remedy = "a larger max_steps, a looser tolerance, or less of that"
+    if solver == "taylor":
+        remedy = f"solver='radau', {remedy}"
     return SolverError(
-        f"the step budget of one hold was spent {where} with {groups} at tolerance {tolerance:g}; "
-        "take a shorter hold, a looser tolerance or less stiff groups"
+        f"the step budget of {steps} was spent {where} by solver {solver!r} at tolerance {tolerance:g}: "
+        f"{cause} acts at a rate of {rate:.3g} per unit of time; take {remedy}; with {groups}"
     )
 
 

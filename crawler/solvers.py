@@ -1,17 +1,20 @@
 """The solvers by name, and the choice among them."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .advance import advance
 from .body import Physics
 from .closed_form import tabulate
-from .driving import driver
+from .control import ClosedForm, Control, MAX_STEPS, Method, Radau, Taylor
+from .cost import predicted_cost
 from .groups import Groups
-from .linear import advance_linear, is_linear, require_linear
+from .linear import is_linear, require_linear
+from .radau import stages_for
+from .scene import Scene
+from .taylor import order_for
 from .workspace import ROWS, WIDTH
 
 __all__ = ["AUTO", "SOLVERS", "Solver", "choose", "solvers_for"]
@@ -23,8 +26,15 @@ class Solver(NamedTuple):
     """One way to drive a crawler."""
 
     name: str
-    drive: Callable[..., Any]
+    method: Method
     workspace: Callable[[Physics, float, int], NDArray[np.float64]]  # of a crawler, a hold and samples in a hold
+    order_for: Callable[[float], int]  # of a tolerance
+
+    def control(
+        self, tolerance: float, *, energy: bool = False, log: bool = False, max_steps: int = MAX_STEPS
+    ) -> Control:
+        """Settings that integrate to `tolerance`, with the order that makes it cheapest."""
+        return Control(tolerance, self.order_for(tolerance), max_steps, energy, log, self.method)
 
 
 def _series(_physics: Physics, _hold: float, _samples_per_hold: int) -> NDArray[np.float64]:
@@ -34,14 +44,15 @@ def _series(_physics: Physics, _hold: float, _samples_per_hold: int) -> NDArray[
 SOLVERS = {
     solver.name: solver
     for solver in (
-        Solver("closed_form", driver(advance_linear), tabulate),
-        Solver("taylor", driver(advance), _series),
+        Solver("closed_form", ClosedForm(), tabulate, lambda _tolerance: 0),
+        Solver("taylor", Taylor(), _series, order_for),
+        Solver("radau", Radau(), _series, stages_for),
     )
 }
 
 
-def choose(name: str, groups: Groups) -> Solver:
-    """Solver of that name, or for "auto" the cheapest that meets the tolerance.
+def choose(name: str, groups: Groups, scene: Scene, hold: float, tolerance: float) -> Solver:
+    """Solver of that name, or for "auto" the one predicted to be cheapest.
 
     Raises
     ------
@@ -49,7 +60,8 @@ def choose(name: str, groups: Groups) -> Solver:
         If the solver cannot take the groups; the message names the one in the way.
     """
     if name == AUTO:
-        name = "closed_form" if is_linear(groups) else "taylor"
+        able = solvers_for(groups)
+        name = min(able, key=lambda each: predicted_cost(each, groups, scene, hold, tolerance))
     if name == "closed_form":
         require_linear(groups)
     return SOLVERS[name]

@@ -12,14 +12,20 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled
 from .body import Body, Physics, STUCK
-from .equations import acceleration_at_no_force, inverse_mass, moved, retardation
+from .control import AFRESH, Control, Pace
+from .equations import acceleration_at_no_force, force, inverse_mass, moved, pressure_after, retardation
 from .polynomial import horner
 from .recurrence import write_step
-from .workspace import V, Z
+from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, Z
 
-__all__ = ["ORDERS", "expand", "order_for", "state_at"]
+__all__ = ["ORDERS", "expand", "order_for", "state_at", "taylor_step"]
 
 ORDERS = (8, 12, 16, 20)
+# Largest defect of a step, in tolerances: a sound step's is about one.
+_TRUST = 4.0
+# Rounding of a force relative to its terms, below which no defect is to be seen.
+_ROUNDING = 8.0 * np.finfo(np.float64).eps
+_SHORTENINGS = 40
 
 
 def order_for(tolerance: float) -> int:
@@ -97,6 +103,65 @@ def expand(
         write_step(16, inputs, series)
     else:
         write_step(20, inputs, series)
+
+
+@compiled
+def taylor_step(
+    opening: Body,
+    body: Body,
+    physics: Physics,
+    valve: float,
+    elapsed: float,
+    remaining: float,
+    control: Control,
+    _pace: Pace,
+    series: NDArray[np.float64],
+) -> tuple[float, Body, Pace]:
+    """One step, as short as it takes for the series to satisfy the equation of motion at its end.
+
+    The last coefficients can be blind to what is to come: from rest z grows as t^3, and a cubic spring first acts at
+    t^9. The defect, the force at the state less the force's own series, is not.
+
+    Parameters
+    ----------
+    opening, body : Body
+        At the start of the hold and of the step.
+    physics : Physics
+    valve : float
+    elapsed, remaining : float
+        Time from the start of the hold, and to its end.
+    control : Control
+    series : (ROWS, WIDTH) array
+        Receives the step's polynomials.
+
+    Returns
+    -------
+    length : float
+        nan where there is no finite series.
+    end : Body
+        State at the end of the step, were the motion to go on.
+    pace : Pace
+        AFRESH: every series starts anew.
+    """
+    expand(body, physics, valve, control.order, control.tolerance, remaining, series)
+    if not abs(series[V, control.order + 1]) < np.inf:
+        return np.nan, body, AFRESH
+    yielding = inverse_mass(physics, body.motion)
+    length, z, v = series[STEP, LENGTH], series[STEP, END_Z], series[STEP, END_V]
+    expected = series[STEP, END_FORCE]
+    pressure = pressure_after(opening, physics, valve, elapsed + length)
+    for _ in range(_SHORTENINGS):
+        rounding = _ROUNDING * (1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v))
+        defect = abs(force(physics, z, v, pressure) - expected)
+        if yielding * (defect - rounding) <= _TRUST * control.tolerance:
+            break
+        shrink = math.exp(math.log(control.tolerance / (yielding * defect)) / (control.order + 1))
+        length *= max(0.25, min(0.9, shrink))
+        z = horner(series[Z], control.order + 1, length)
+        v = horner(series[V], control.order + 1, length)
+        expected = horner(series[FORCE], control.order, length)
+        pressure = pressure_after(opening, physics, valve, elapsed + length)
+    return length, moved(body, physics, z, v, pressure, length), AFRESH
 
 
 @compiled

@@ -3,6 +3,7 @@
 from .polynomial import LARGEST_DEGREE
 
 __all__ = [
+    "CORRECTION",
     "END_FORCE",
     "END_V",
     "END_Z",
@@ -12,6 +13,11 @@ __all__ = [
     "LOWEST",
     "ROWS",
     "SCRATCH",
+    "STAGE_A",
+    "STAGE_F",
+    "STAGE_P",
+    "STAGE_V",
+    "STAGE_Z",
     "STEP",
     "VISCOUS",
     "WIDTH",
@@ -22,9 +28,10 @@ __all__ = [
 ]
 
 # Polynomials of z, v, p and F in the time since the step's start, what else a step needs, and one row for events.
-ROWS = 6
+# Then, for a collocation, values of z, v, p, v' and F at the start and the nodes, and one row for its iteration.
+ROWS = 12
 WIDTH = LARGEST_DEGREE + 2
-Z, V, P, FORCE, STEP, SCRATCH = range(ROWS)
+Z, V, P, FORCE, STEP, SCRATCH, STAGE_Z, STAGE_V, STAGE_P, STAGE_A, STAGE_F, CORRECTION = range(ROWS)
 # Columns of the row STEP: its length; z, v and F at its end; the least and the greatest that the terms of the event
 # function beyond the constant one can add up to; and the step's energies.
 LENGTH, END_Z, END_V, END_FORCE, LOWEST, HIGHEST, WORK, VISCOUS = range(8)

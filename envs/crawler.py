@@ -11,15 +11,14 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from ..crawler import Groups, Scene
-from ..crawler.advance import FINISHED
 from ..crawler.body import STUCK
+from ..crawler.control import FINISHED, MAX_STEPS
 from ..crawler.groups import RANGES
 from ..crawler.simulation import solver_error, TOLERANCES
-from ..crawler.workspace import ROWS, WIDTH
 from ..reservoir.prequential import PrequentialMemory
 from ..validation import known_names, number_within, whole_number
 from .rendering import Frame, Renderer
-from .stepping import hold_valve, rest, settings
+from .stepping import rest, stepper_for
 
 __all__ = ["StickSlipCrawlerEnv"]
 
@@ -170,7 +169,6 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
 
         self._samples = np.empty((5, self.virtual_nodes))
         self._states = self._samples[:3].reshape(-1)
-        self._series = np.empty((ROWS, WIDTH))
         self._memory: PrequentialMemory | None = None
         self._renderer: Renderer | None = None
         self._frame: Frame | None = None
@@ -202,7 +200,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
             self._memory.reset()
         drawn = {name: float(self.np_random.uniform(low, high)) for name, (low, high) in self.randomize.items()}
         self.episode_groups = Groups(**{**self.groups.to_dict(), **drawn})
-        self._fixed = settings(self.episode_groups, self.scene, self.hold, self.tolerance)
+        self._stepper = stepper_for(self.episode_groups, self.scene, self.hold, self.tolerance, self.virtual_nodes)
         self._body = rest()
         self._steps = 0
         self._frame = Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
@@ -244,11 +242,14 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         valve = command ^ self._flip()
         start = float(body[_FOOT])
         observation = np.empty(5, np.float32)
-        status, elapsed = hold_valve(body, self._fixed, valve, self._samples, self._series, observation)
+        hold_valve, fixed, workspace, solver = self._stepper
+        status, elapsed = hold_valve(body, fixed, valve, self._samples, workspace, observation)
         if status != FINISHED:
             self._body = None
             reached = self._steps * self.hold + elapsed
-            raise solver_error(status, reached, float(body[0]), self.episode_groups, self.tolerance)
+            raise solver_error(
+                status, reached, float(body[0]), MAX_STEPS, self.episode_groups, self.scene, self.tolerance, solver
+            )
         self._steps += 1
 
         deformation, _, pressure, foot, _, motion, slips = body.tolist()
@@ -346,12 +347,17 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         commands = generator.integers(0, 2, holds)
         valves = commands ^ (generator.random(holds) < self.dither)
         states = np.empty((holds, self._states.size))
-        fixed = settings(self.groups, self.scene, self.hold, self.tolerance)
+        hold_valve, fixed, workspace, solver = stepper_for(
+            self.groups, self.scene, self.hold, self.tolerance, self.virtual_nodes
+        )
         body, observation = rest(), np.empty(5, np.float32)
         for k, valve in enumerate(valves.tolist()):
-            status, elapsed = hold_valve(body, fixed, valve, self._samples, self._series, observation)
+            status, elapsed = hold_valve(body, fixed, valve, self._samples, workspace, observation)
             if status != FINISHED:
-                raise solver_error(status, k * self.hold + elapsed, float(body[0]), self.groups, self.tolerance)
+                reached = k * self.hold + elapsed
+                raise solver_error(
+                    status, reached, float(body[0]), MAX_STEPS, self.groups, self.scene, self.tolerance, solver
+                )
             states[k] = self._states
         return PrequentialMemory(
             states,

@@ -4,19 +4,33 @@ A named tuple costs microseconds to carry across the border between Python and c
 of a hold; an array costs a fraction of one.
 """
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled
-from ..crawler.advance import advance, Control, control_for
 from ..crawler.body import Body, Ledger, Physics, physics
+from ..crawler.control import ClosedForm, Control, Method, Radau, Taylor
+from ..crawler.driving import advance_by_method
 from ..crawler.groups import Groups
 from ..crawler.scene import Scene
+from ..crawler.solvers import AUTO, choose
 
-__all__ = ["hold_valve", "rest", "settings"]
+__all__ = ["Stepper", "rest", "stepper_for"]
 
 _BODY = len(Body._fields)
 _PHYSICS = len(Physics._fields)
+
+
+class Stepper(NamedTuple):
+    """How one crawler is stepped, and what stays the same from step to step."""
+
+    hold_valve: Callable[..., tuple[int, float]]
+    fixed: NDArray[np.float64]  # the fields of `Physics`, then hold, tolerance, order and step budget
+    workspace: NDArray[np.float64]
+    solver: str
 
 
 def rest() -> NDArray[np.float64]:
@@ -24,46 +38,55 @@ def rest() -> NDArray[np.float64]:
     return np.zeros(_BODY)
 
 
-def settings(groups: Groups, scene: Scene, hold: float, tolerance: float) -> NDArray[np.float64]:
-    """What stays the same from step to step: the fields of `Physics`, then hold, tolerance, order and step budget."""
-    control = control_for(tolerance)
-    return np.array([*physics(groups, scene), hold, control.tolerance, control.order, control.max_steps])
+def stepper_for(groups: Groups, scene: Scene, hold: float, tolerance: float, virtual_nodes: int) -> Stepper:
+    """The cheapest way to step a crawler, hold by hold."""
+    coefficients = physics(groups, scene)
+    solver = choose(AUTO, groups, scene, hold, tolerance)
+    control = solver.control(tolerance)
+    return Stepper(
+        _HOLD_VALVE[solver.name],
+        np.array([*coefficients, hold, control.tolerance, control.order, control.max_steps]),
+        solver.workspace(coefficients, hold, virtual_nodes),
+        solver.name,
+    )
 
 
 @compiled
-def hold_valve(
+def _hold_valve(
+    method: Method,
     body: NDArray[np.float64],
     fixed: NDArray[np.float64],
     valve: int,
     samples: NDArray[np.float64],
-    series: NDArray[np.float64],
+    workspace: NDArray[np.float64],
     observation: NDArray[np.float32],
 ) -> tuple[int, float]:
     """Advance one crawler by one hold, in place.
 
     Parameters
     ----------
+    method : Method
     body : (7,) array
         From :func:`rest`; updated.
     fixed : array
-        From :func:`settings`.
+        From :func:`stepper_for`.
     valve : int
         0 or 1.
     samples : (5, virtual_nodes) array
         Receives z, v, p, x, w.
-    series : (ROWS, WIDTH) array
-        Scratch.
+    workspace : array
+        From :func:`stepper_for`.
     observation : (5,) array of float32
         Receives z, v, p, w and the valve.
 
     Returns
     -------
     status : int
-        As in `stickslip.crawler.advance`.
+        As in `stickslip.crawler.control`.
     elapsed : float
         Time into the hold that was reached.
     """
-    outcome = advance(
+    outcome = advance_by_method(
         Body(body[0], body[1], body[2], body[3], body[4], int(body[5]), int(body[6])),
         Ledger(0.0, 0.0, 0.0),
         Physics(
@@ -81,11 +104,11 @@ def hold_valve(
         ),
         float(valve),
         fixed[_PHYSICS],
-        Control(fixed[_PHYSICS + 1], int(fixed[_PHYSICS + 2]), int(fixed[_PHYSICS + 3]), False, False),
+        Control(fixed[_PHYSICS + 1], int(fixed[_PHYSICS + 2]), int(fixed[_PHYSICS + 3]), False, False, method),
         0.0,
         samples,
         np.empty((0, 2)),
-        series,
+        workspace,
     )
     after = outcome.body
     body[0] = after.deformation
@@ -101,3 +124,43 @@ def hold_valve(
     observation[3] = after.foot_velocity
     observation[4] = valve
     return outcome.status, outcome.elapsed
+
+
+# A method cannot be an argument from Python: it would cost more than the physics.
+@compiled
+def _hold_by_taylor(
+    body: NDArray[np.float64],
+    fixed: NDArray[np.float64],
+    valve: int,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    observation: NDArray[np.float32],
+) -> tuple[int, float]:
+    return _hold_valve(Taylor(), body, fixed, valve, samples, workspace, observation)
+
+
+@compiled
+def _hold_by_radau(
+    body: NDArray[np.float64],
+    fixed: NDArray[np.float64],
+    valve: int,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    observation: NDArray[np.float32],
+) -> tuple[int, float]:
+    return _hold_valve(Radau(), body, fixed, valve, samples, workspace, observation)
+
+
+@compiled
+def _hold_in_closed_form(
+    body: NDArray[np.float64],
+    fixed: NDArray[np.float64],
+    valve: int,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    observation: NDArray[np.float32],
+) -> tuple[int, float]:
+    return _hold_valve(ClosedForm(), body, fixed, valve, samples, workspace, observation)
+
+
+_HOLD_VALVE = {"taylor": _hold_by_taylor, "radau": _hold_by_radau, "closed_form": _hold_in_closed_form}

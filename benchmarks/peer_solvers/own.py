@@ -4,8 +4,9 @@ import numpy as np
 
 from peer_solvers.problem import Contender, GROUPS, HOLD, Journey, Word
 from stickslip.crawler import REST, Scene, simulate
-from stickslip.crawler.advance import control_for, FINISHED
 from stickslip.crawler.body import Body, physics, STUCK
+from stickslip.crawler.control import FINISHED
+from stickslip.crawler.driving import drive
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.workspace import ROWS, WIDTH
 
@@ -40,14 +41,14 @@ def _simulate(tolerance: float):
 
 
 def _kernel(tolerance: float):
-    coefficients, control = physics(GROUPS, Scene()), control_for(tolerance)
+    coefficients, control = physics(GROUPS, Scene()), SOLVERS["taylor"].control(tolerance)
     body = Body(*REST, STUCK, 0)
     events, series = np.empty((0, 2)), np.empty((ROWS, WIDTH))
     samples = {}
 
     def run(word: Word) -> Journey:
         into = samples.setdefault(len(word), np.empty((5, len(word))))
-        outcome, _ = SOLVERS["taylor"].drive(body, coefficients, word, HOLD, control, into, events, series)
+        outcome, _ = drive(body, coefficients, word, HOLD, control, into, events, series)
         assert outcome.status == FINISHED
         return Journey(outcome.body.foot, outcome.body.slips)
 

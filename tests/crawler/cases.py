@@ -25,7 +25,9 @@ BOUNCER = {"duffing": 0.0, "damping_ratio": 0.0, "radial_coupling": 0.0}
 HUNT = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
-def run(groups, valve, hold, *, scene=None, tolerance=1e-9, initial=None, samples_per_hold=1) -> Trajectory:
+def run(
+    groups, valve, hold, *, scene=None, tolerance=1e-9, solver="auto", initial=None, samples_per_hold=1
+) -> Trajectory:
     """`simulate` one crawler, and check what must hold of every trajectory."""
     scene, start = scene or Scene(), initial or REST
     valve = np.asarray(valve)
@@ -35,6 +37,7 @@ def run(groups, valve, hold, *, scene=None, tolerance=1e-9, initial=None, sample
         hold,
         scene=scene,
         tolerance=tolerance,
+        solver=solver,
         initial=initial,
         samples_per_hold=samples_per_hold,
     )

@@ -13,10 +13,11 @@ from judge import judge
 from modal_judge import LinearMotion, modal_judge
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
-from stickslip.crawler.advance import control_for, OUT_OF_STEPS
 from stickslip.crawler.body import Body, FORWARD, Ledger, physics, STUCK
 from stickslip.crawler.closed_form import propagator, rates_of, tabulate
+from stickslip.crawler.control import OUT_OF_STEPS
 from stickslip.crawler.linear import advance_linear
+from stickslip.crawler.solvers import SOLVERS
 
 LINEAR = Groups.of("linear")
 SYMMETRIC = Scene(ratchet=False)
@@ -306,7 +307,7 @@ def test_the_step_budget_is_kept():
             coefficients,
             0.0,
             20.0,
-            control_for(1e-9, max_steps=budget),
+            SOLVERS["closed_form"].control(1e-9, max_steps=budget),
             0.0,
             samples,
             np.empty((0, 2)),

@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from stickslip.crawler import Groups, Scene, simulate, State
-from stickslip.crawler.advance import advance, control_for, FINISHED
+from stickslip.crawler.advance import advance
 from stickslip.crawler.body import Body, FORWARD, Ledger, physics, STUCK
+from stickslip.crawler.control import FINISHED
+from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.workspace import ROWS, WIDTH
 
 SYMMETRIC = Scene(ratchet=False)
@@ -274,7 +276,7 @@ def _advanced(groups, body, hold):
         physics(groups, Scene()),
         0.0,
         hold,
-        control_for(1e-15),
+        SOLVERS["taylor"].control(1e-15),
         0.0,
         np.empty((5, 0)),
         np.empty((0, 2)),

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
-from stickslip.crawler.advance import advance, control_for, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS
+from stickslip.crawler.advance import advance
 from stickslip.crawler.body import Body, Ledger, physics, STUCK
+from stickslip.crawler.control import DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS
 from stickslip.crawler.simulation import solver_error
+from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.workspace import ROWS, WIDTH
 
 REFUSED = [
@@ -29,8 +31,8 @@ REFUSED = [
         for bad in (0.0, -1e-9, 9e-16, 0.011, np.nan, np.inf)
     ],
     ("tolerance", {"tolerance": "fine"}, TypeError, r"\[1e-15, 1e-2\], got 'fine'"),
-    ("solver", {"solver": "rk4"}, ValueError, r"'auto', 'taylor'.*got 'rk4'"),
-    ("solver", {"solver": None}, ValueError, r"'auto', 'taylor'.*got None"),
+    ("solver", {"solver": "rk4"}, ValueError, r"'auto', 'closed_form', 'taylor', 'radau'.*got 'rk4'"),
+    ("solver", {"solver": None}, ValueError, r"'auto', 'closed_form', 'taylor', 'radau'.*got None"),
     *[("samples_per_hold", {"samples_per_hold": bad}, ValueError, r">= 1, got ") for bad in (0, -3)],
     *[("samples_per_hold", {"samples_per_hold": bad}, TypeError, r">= 1, got ") for bad in (True, 1.0, "2", None)],
     ("groups", {"groups": []}, TypeError, r"Groups"),
@@ -97,7 +99,7 @@ def kernel(groups, hold, *, events=8, body=None, **control):
         physics(groups, Scene()),
         1.0,
         hold,
-        control_for(1e-9, **control),
+        SOLVERS["taylor"].control(1e-9, **control),
         0.0,
         np.empty((5, 1)),
         np.empty((events, 2)),
@@ -109,8 +111,10 @@ def test_a_spent_step_budget_is_reported_with_time_and_remedy():
     outcome = kernel(Groups(), 100.0, max_steps=5)
     assert outcome.status == OUT_OF_STEPS
     assert 0.0 < outcome.elapsed < 100.0
-    error = solver_error(outcome.status, outcome.elapsed, outcome.body.deformation, Groups(), 1e-9)
-    for part in (f"{outcome.elapsed:.6g}", "step budget", "Groups(", "1e-09", "shorter hold", "looser tolerance"):
+    error = solver_error(
+        outcome.status, outcome.elapsed, outcome.body.deformation, 5, Groups(), Scene(), 1e-9, "taylor"
+    )
+    for part in (f"{outcome.elapsed:.6g}", "step budget of 5", "Groups(", "1e-09", "max_steps", "looser tolerance"):
         assert part in str(error)
 
 

@@ -1,0 +1,75 @@
+"""What the solvers are told, and what they answer."""
+
+from typing import NamedTuple
+
+from .body import Body, Ledger
+
+__all__ = [
+    "AFRESH",
+    "DIVERGED",
+    "FINISHED",
+    "LOG_FULL",
+    "MAX_STEPS",
+    "OUT_OF_STEPS",
+    "ClosedForm",
+    "Control",
+    "Method",
+    "Outcome",
+    "Pace",
+    "Radau",
+    "Taylor",
+]
+
+FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
+
+# Half a second of work, ten thousand times what the default crawler needs for a hold of 20.
+MAX_STEPS = 1_000_000
+
+
+class Taylor(NamedTuple):
+    """The method of Taylor series."""
+
+
+class Radau(NamedTuple):
+    """The method of Radau collocation."""
+
+
+class ClosedForm(NamedTuple):
+    """No method at all: the motion is linear."""
+
+
+Method = Taylor | Radau | ClosedForm
+
+
+class Control(NamedTuple):
+    """How accurately, and for how long at most, to integrate."""
+
+    tolerance: float
+    order: int  # degree of the force's polynomial in a step
+    max_steps: int
+    energy: bool  # whether to keep the ledger
+    log: bool  # whether to write down the events
+    method: Method  # its type alone matters: kernels are compiled for the one that is used
+
+
+class Outcome(NamedTuple):
+    """What a hold, or a run, came to."""
+
+    status: int  # FINISHED, DIVERGED, OUT_OF_STEPS or LOG_FULL
+    elapsed: float  # time into the hold that was reached
+    steps: int  # taken
+    logged: int  # events written
+    body: Body
+    ledger: Ledger
+
+
+class Pace(NamedTuple):
+    """What one step tells the next of the same motion."""
+
+    length: float  # to be tried next; 0 where nothing is known
+    span: float  # of the step whose polynomials lie in the workspace; 0 without one
+    begin: float  # of the next step, in those polynomials' time: `span`, or 0 to do the same step again
+    error: float  # of that step, in tolerances; 0 for a Taylor series
+
+
+AFRESH = Pace(0.0, 0.0, 0.0, 0.0)
