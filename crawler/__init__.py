@@ -1,7 +1,7 @@
 """Physics of the crawler: parameters, equations, solver, events and energy."""
 
 from .actuator import Actuator, Scales
-from .body import REST, State
+from .body import ChainState, REST, State
 from .groups import Groups, PRESETS
 from .scene import Scene
 from .simulation import simulate, SolverError
@@ -12,6 +12,7 @@ __all__ = [
     "PRESETS",
     "REST",
     "Actuator",
+    "ChainState",
     "Groups",
     "Scales",
     "Scene",

@@ -144,7 +144,7 @@ def advance(
         if length < longest:
             pressure = pressure_after(opening, physics, valve, reached)
             following = state_at(body, physics, pressure, control.order, length, series)
-        if not abs(following.deformation) + abs(following.velocity) < FARTHEST:
+        if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
         if control.energy:
             ledger = account(ledger, body, following, physics, control.order, length, series)

@@ -2,10 +2,12 @@
 
 from typing import NamedTuple
 
+from numpy.typing import ArrayLike
+
 from .groups import Groups
 from .scene import Scene
 
-__all__ = ["BACKWARD", "FORWARD", "REST", "STUCK", "Body", "Ledger", "Physics", "State", "physics"]
+__all__ = ["BACKWARD", "FORWARD", "REST", "STUCK", "Body", "ChainState", "Ledger", "Physics", "State", "physics"]
 
 STUCK, FORWARD, BACKWARD = 0, 1, -1
 
@@ -15,6 +17,16 @@ class State(NamedTuple):
 
     deformation: float = 0.0
     velocity: float = 0.0
+    pressure: float = 0.0
+    foot: float = 0.0
+    foot_velocity: float = 0.0
+
+
+class ChainState(NamedTuple):
+    """Where a simulation of segments begins, each with its own stretch; foot first, in natural units."""
+
+    segment_deformation: ArrayLike
+    segment_velocity: ArrayLike
     pressure: float = 0.0
     foot: float = 0.0
     foot_velocity: float = 0.0

@@ -9,12 +9,20 @@ from .equations import foot_velocity_at, force, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative
 from .workspace import FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
 
-__all__ = ["BRAKING", "change_motion", "comes_to_rest", "foot_speed", "motion_after_rest", "next_event"]
+__all__ = [
+    "breaking_loose",
+    "change_motion",
+    "comes_to_rest",
+    "foot_speed",
+    "motion_after_rest",
+    "next_event",
+    "started",
+]
 
 # At a graze Newton halves the distance to the root, and no more, with every iteration.
 _POLISHINGS = 40
 # Least braking force, above the rounding of a force, that tells a foot coming to rest from one breaking loose.
-BRAKING = 1e-12
+_BRAKING = 1e-12
 
 
 @compiled
@@ -22,36 +30,18 @@ def next_event(
     body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
 ) -> tuple[float, int]:
     """Where the step ends, at most at `length`, and the motion that follows."""
-    if physics.anchored:
+    if physics.anchored or _quiet(body, physics, series):
         return length, body.motion
-    if _quiet(body, physics, series):
-        return length, body.motion
-    stuck = body.motion == STUCK
-    moment = np.inf
-    motion = body.motion
-    for direction in (FORWARD, BACKWARD):
-        if stuck:
-            if direction == BACKWARD and physics.ratchet:
-                continue
-            degree = _grip(direction, physics, order, series)
-        else:
-            if direction != body.motion:
-                continue
-            degree = foot_speed(body, physics, order, series)
-        descent = first_descent(series[SCRATCH], degree, length)
-        if stuck and 0.0 < descent <= length:
-            descent = _polish(descent, direction, body, physics, valve, order, length, series)
-        if descent < moment:
-            moment = descent
-            motion = direction if stuck else STUCK
+    if body.motion == STUCK:
+        return breaking_loose(body, physics, valve, order, length, series)
+    degree = foot_speed(body, physics, order, series)
+    moment = first_descent(series[SCRATCH], degree, length)
     if moment > length:
-        if stuck or not _rests_at_end(body, physics, order, length, series):
+        velocity = foot_velocity_at(body, physics, horner(series[V], order + 1, length), length)
+        if not comes_to_rest(body.motion, physics, horner(series[FORCE], order, length), velocity):
             return length, body.motion
         moment = length
-        motion = STUCK
-    if not stuck:
-        motion = motion_after_rest(body.motion, physics, horner(series[FORCE], order, moment))
-    return moment, motion
+    return moment, motion_after_rest(body.motion, physics, horner(series[FORCE], order, moment))
 
 
 @compiled
@@ -62,6 +52,26 @@ def _quiet(body: Body, physics: Physics, series: NDArray[np.float64]) -> bool:
     pull = series[FORCE, 0] + physics.foot_fraction * physics.slope
     forward = physics.static_friction + pull + series[STEP, LOWEST] > 0.0
     return forward and (physics.ratchet or physics.static_friction - pull - series[STEP, HIGHEST] > 0.0)
+
+
+@compiled
+def breaking_loose(
+    body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
+) -> tuple[float, int]:
+    """Where a step of the resting foot ends, at most at `length`, and the motion that follows."""
+    first = np.inf
+    motion = STUCK
+    for direction in (FORWARD, BACKWARD):
+        if direction == BACKWARD and physics.ratchet:
+            continue
+        _grip(direction, physics, order, series)
+        moment = first_descent(series[SCRATCH], order, length)
+        if 0.0 < moment <= length:
+            moment = _polish(moment, direction, body, physics, valve, order, length, series)
+        if moment < first:
+            first = moment
+            motion = direction
+    return (length, STUCK) if first > length else (first, motion)
 
 
 @compiled
@@ -83,7 +93,7 @@ def comes_to_rest(motion: int, physics: Physics, pull: float, foot_velocity: flo
     A foot at rest in the next step would be taken for one that has just broken loose, which drag does not hold back.
     """
     braking = motion * (pull + physics.foot_fraction * physics.slope) + physics.kinetic_friction
-    return motion * foot_velocity <= 0.0 and braking > BRAKING
+    return motion * foot_velocity <= 0.0 and braking > _BRAKING
 
 
 @compiled
@@ -99,19 +109,12 @@ def change_motion(body: Body, motion: int, physics: Physics) -> Body:
 
 
 @compiled
-def _rests_at_end(body: Body, physics: Physics, order: int, length: float, series: NDArray[np.float64]) -> bool:
-    velocity = foot_velocity_at(body, physics, horner(series[V], order + 1, length), length)
-    return comes_to_rest(body.motion, physics, horner(series[FORCE], order, length), velocity)
-
-
-@compiled
-def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
-    """Write the margin by which the resting foot holds, s plus or less F + r slope; return its degree."""
+def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float64]) -> None:
+    """Write the margin by which the resting foot holds, s plus or less F + r slope."""
     margin = series[SCRATCH]
     for n in range(order + 1):
         margin[n] = direction * series[FORCE, n]
     margin[0] += physics.static_friction + direction * physics.foot_fraction * physics.slope
-    return order
 
 
 @compiled
@@ -123,15 +126,22 @@ def foot_speed(body: Body, physics: Physics, order: int, series: NDArray[np.floa
     for n in range(1, order + 1):
         speed[n] = -direction * physics.payload_fraction * series[V, n]
     speed[1] -= direction * retardation(physics, direction)
+    return started(speed, physics, order)
+
+
+@compiled
+def started(speed: NDArray[np.float64], physics: Physics, degree: int) -> int:
+    """Divide out the root with which a slip begins at rest; return the degree of what is left.
+
+    The pull is then at least static friction, which rounding could hide where the two frictions are equal.
+    """
     if speed[0] != 0.0:
-        return order
-    # A slip begins at rest: that root is divided out. The pull is then at least static friction, which rounding
-    # could hide where the two frictions are equal.
-    for n in range(order):
+        return degree
+    for n in range(degree):
         speed[n] = speed[n + 1]
     surplus = (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction
     speed[0] = max(speed[0], surplus)
-    return order - 1
+    return degree - 1
 
 
 @compiled
@@ -164,4 +174,4 @@ def _polish(
         if abs(change) <= 2.0 * np.finfo(np.float64).eps * moment:
             break
     # Near a graze the series can cross a threshold that the state does not reach in this step: nothing breaks loose.
-    return np.inf if margin > BRAKING else moment
+    return np.inf if margin > _BRAKING else moment

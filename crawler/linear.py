@@ -115,7 +115,7 @@ def advance_linear(
         if not (last and count > 0):
             over = whole if last else propagator(rates, moment)
             following = _carried(body, deviating, physics, valve, over, moment)
-        if not abs(following.deformation) + abs(following.velocity) < FARTHEST:
+        if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
             return Outcome(DIVERGED, elapsed, spent, logged, body, ledger)
         if control.energy:
             ended = deviation(following, physics, valve, rates)

@@ -16,7 +16,7 @@ from ..unrolling import fma
 
 __all__ = ["LARGEST_DEGREE", "first_descent", "horner", "horner_derivative"]
 
-LARGEST_DEGREE = 20
+LARGEST_DEGREE = 24
 # Sums of a step's terms are right to a few units in the last place; a dip shallower than that is no descent.
 _NOISE = 16.0 * np.finfo(np.float64).eps
 # At 2^-52 of the step neighbouring coefficients agree to rounding, so nothing is left to split.

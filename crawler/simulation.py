@@ -8,14 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import number_within, whole_number
-from .body import BACKWARD, Body, FORWARD, Ledger, Physics, physics, REST, State, STUCK
-from .control import Control, DIVERGED, FINISHED, LOG_FULL, MAX_STEPS, Outcome
+from .body import BACKWARD, Body, ChainState, FORWARD, Ledger, REST, State, STUCK
+from .chain_simulation import run_chain, stretches_of
+from .control import DIVERGED, FINISHED, MAX_STEPS
 from .cost import fastest_rate
-from .driving import drive
+from .crawler_simulation import run_crawler
 from .groups import Groups
 from .scene import Scene
 from .solvers import AUTO, choose, Solver, SOLVERS
 from .trajectory import EVENT, Trajectory
+from .tube import is_chain
 
 __all__ = ["HOLDS", "TOLERANCES", "SolverError", "simulate", "solver_error"]
 
@@ -37,7 +39,7 @@ def simulate(
     tolerance: float = 1e-9,
     solver: str = "auto",
     samples_per_hold: int = 1,
-    initial: State | None = None,
+    initial: State | ChainState | None = None,
     max_steps: int | None = None,
 ) -> Trajectory:
     """Drive one crawler, or a batch, by a sequence of valve states.
@@ -60,8 +62,8 @@ def simulate(
         "radau", L-stable, for stiff ones. "auto" takes the one that is predicted to be cheapest.
     samples_per_hold : int, >= 1
         Equally spaced in each hold, the last at its end.
-    initial : State, optional
-        At rest by default; the same for the whole batch.
+    initial : State or ChainState, optional
+        At rest by default; the same for the whole batch. A `State` stretches all segments alike.
     max_steps : int, optional
         Steps that each crawler may take in all; a million and a thousand a hold by default.
 
@@ -85,20 +87,26 @@ def simulate(
         raise ValueError(f"solver must be one of {[AUTO, *SOLVERS]}, got {solver!r}")
     samples_per_hold = whole_number("samples_per_hold", samples_per_hold, 1)
     crawlers, schedule, single = _batch(groups, valve)
-    body = _start(REST if initial is None else initial, scene)
+    body, stretches = _start(REST if initial is None else initial, scene)
 
     batch, holds = schedule.shape
     budget = MAX_STEPS + _STEPS_A_HOLD * holds if max_steps is None else whole_number("max_steps", max_steps, 1)
     samples = np.empty((batch, 5, holds * samples_per_hold))
+    parts = np.empty((batch, 2, scene.segments, samples.shape[2]) if is_chain(scene) else 0)
     finals: list[Body] = []
     ledgers: list[Ledger] = []
     logs: list[NDArray[np.void]] = []
     solvers = [choose(solver, groups_of, scene, hold, tolerance) for groups_of in crawlers]
+    energies = np.empty(batch)
     for member, (groups_of, by) in enumerate(zip(crawlers, solvers, strict=True)):
         control = by.control(tolerance, energy=True, log=True, max_steps=budget)
-        outcome, finished, events = _run(
-            body, physics(groups_of, scene), schedule[member], hold, control, samples[member], by
-        )
+        row = schedule[member], hold, control, samples[member]
+        if is_chain(scene):
+            outcome, finished, events, energies[member] = run_chain(
+                body, stretches, groups_of, scene, *row, parts[member]
+            )
+        else:
+            outcome, finished, events, energies[member] = run_crawler(body, groups_of, scene, *row, by)
         if outcome.status != FINISHED:
             reached = finished * hold + outcome.elapsed
             deformation, steps = outcome.body.deformation, outcome.steps
@@ -109,10 +117,11 @@ def simulate(
         log["time"], log["motion"], log["crawler"] = events[:, 0], events[:, 1], member
         logs.append(log)
 
+    if not is_chain(scene):
+        parts = samples[:, :2, None]
+        if scene.segments > 1:
+            parts = np.repeat(parts / scene.segments, scene.segments, axis=2)
     fractions = np.arange(1, samples_per_hold + 1) / samples_per_hold
-    energies = np.array(
-        [_stored(after, g, scene) - _stored(body, g, scene) for after, g in zip(finals, crawlers, strict=True)]
-    )
     work, viscous, friction = np.array(ledgers).reshape(batch, 3).T
     slips = np.array([after.slips for after in finals], dtype=np.int64)
 
@@ -126,6 +135,8 @@ def simulate(
         pressure=shaped(samples[:, 2]),
         foot=shaped(samples[:, 3]),
         foot_velocity=shaped(samples[:, 4]),
+        segment_deformation=shaped(parts[:, 0]),
+        segment_velocity=shaped(parts[:, 1]),
         valve=shaped(schedule),
         slips=int(slips[0]) if single else slips,
         events=np.concatenate(logs),
@@ -136,26 +147,6 @@ def simulate(
         hold=hold,
         model=_model(scene, solvers),
     )
-
-
-def _run(
-    body: Body,
-    coefficients: Physics,
-    schedule: NDArray[np.int8],
-    hold: float,
-    control: Control,
-    samples: NDArray[np.float64],
-    solver: Solver,
-) -> tuple[Outcome, int, NDArray[np.float64]]:
-    """Advance one crawler through its schedule: the outcome, the holds finished, and the events."""
-    workspace = solver.workspace(coefficients, hold, samples.shape[1] // len(schedule))
-    capacity = 64 + 4 * len(schedule)
-    while True:
-        events = np.empty((capacity, 2))
-        outcome, finished = drive(body, coefficients, schedule, hold, control, samples, events, workspace)
-        if outcome.status != LOG_FULL:
-            return outcome, finished, events[: outcome.logged]
-        capacity *= 2
 
 
 def solver_error(
@@ -190,7 +181,9 @@ def solver_error(
         return SolverError(f"the motion diverged {where}: {cause}, with {groups}")
     cause, rate = fastest_rate(groups, scene, deformation)
     remedy = "a larger max_steps, a looser tolerance, or less of that"
-    if solver == "taylor":
+    if is_chain(scene):
+        remedy = f"fewer segments than {scene.segments}, more tube_mass than {scene.tube_mass!r}, {remedy}"
+    elif solver == "taylor":
         remedy = f"solver='radau', {remedy}"
     return SolverError(
         f"the step budget of {steps} was spent {where} by solver {solver!r} at tolerance {tolerance:g}: "
@@ -224,10 +217,15 @@ def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Gr
     return crawlers, schedule, False
 
 
-def _start(initial: State, scene: Scene) -> Body:
-    """The solver's state for the user's."""
+def _start(initial: State | ChainState, scene: Scene) -> tuple[Body, NDArray[np.float64]]:
+    """The solver's state for the user's, and the stretches of its segments."""
     if not isinstance(initial, tuple) or len(initial) != len(State._fields):
-        raise TypeError(f"initial must be a State, got {initial!r}")
+        raise TypeError(f"initial must be a State or a ChainState, got {initial!r}")
+    stretches = None
+    if isinstance(initial, ChainState):
+        stretches = stretches_of(initial, scene)
+        z, v = stretches.mean(axis=1).tolist()
+        initial = State(z, v, initial.pressure, initial.foot, initial.foot_velocity)
     ranges = dict.fromkeys(State._fields, "(-inf, inf)") | {"pressure": "[0, 1]"}
     state = State(
         *(number_within(f"initial {name}", value, ranges[name]) for name, value in zip(ranges, initial, strict=True))
@@ -241,20 +239,19 @@ def _start(initial: State, scene: Scene) -> Body:
     motion = STUCK
     if state.foot_velocity != 0.0:
         motion = FORWARD if state.foot_velocity > 0.0 else BACKWARD
-    return Body(*state, motion, 0)
+    if stretches is None:
+        stretches = np.repeat([[state.deformation], [state.velocity]], scene.segments, axis=1)
+    return Body(*state, motion, 0), stretches
 
 
 def _model(scene: Scene, solvers: list[Solver]) -> str:
     """What was integrated, and by which solver."""
     where = "anchored" if scene.anchored else "on the ground"
+    if is_chain(scene):
+        where = f"chain of {scene.segments} segments, {where}"
+    elif scene.segments > 1:
+        where = f"{scene.segments} massless segments as one, {where}"
+    elif scene.tube_mass > 0.0:
+        where = f"half the tube's mass at each end, {where}"
     names = sorted({solver.name.replace("_", " ") for solver in solvers})
     return "; ".join(f"{where}, {name}" for name in names)
-
-
-def _stored(body: Body, groups: Groups, scene: Scene) -> float:
-    """Kinetic, elastic and potential energy, in units of P_max A_0 z_c."""
-    r = groups.foot_mass_fraction
-    kinetic = 0.5 * r * body.foot_velocity**2 + 0.5 * (1.0 - r) * (body.foot_velocity + body.velocity) ** 2
-    elastic = 0.5 * body.deformation**2 + 0.25 * groups.duffing * body.deformation**4
-    height = scene.slope * (body.foot + (1.0 - r) * body.deformation)
-    return kinetic + elastic + height

@@ -15,6 +15,7 @@ from .linear import is_linear, require_linear
 from .radau import stages_for
 from .scene import Scene
 from .taylor import order_for
+from .tube import is_chain
 from .workspace import ROWS, WIDTH
 
 __all__ = ["AUTO", "SOLVERS", "Solver", "choose", "solvers_for"]
@@ -57,16 +58,20 @@ def choose(name: str, groups: Groups, scene: Scene, hold: float, tolerance: floa
     Raises
     ------
     ValueError
-        If the solver cannot take the groups; the message names the one in the way.
+        If the solver cannot take the groups or the scene; the message names what is in the way.
     """
+    able = solvers_for(groups, scene)
     if name == AUTO:
-        able = solvers_for(groups)
         name = min(able, key=lambda each: predicted_cost(each, groups, scene, hold, tolerance))
+    if name not in able and is_chain(scene):
+        raise ValueError(f"solver must be one of {[AUTO, *able]} for a chain of heavy segments, got {name!r}")
     if name == "closed_form":
         require_linear(groups)
     return SOLVERS[name]
 
 
-def solvers_for(groups: Groups) -> tuple[str, ...]:
-    """Names of the solvers that can take the groups."""
+def solvers_for(groups: Groups, scene: Scene) -> tuple[str, ...]:
+    """Names of the solvers that can take the groups in the scene."""
+    if is_chain(scene):
+        return ("taylor",)
     return tuple(name for name in SOLVERS if name != "closed_form" or is_linear(groups))

@@ -18,14 +18,14 @@ from .polynomial import horner
 from .recurrence import write_step
 from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, Z
 
-__all__ = ["ORDERS", "expand", "order_for", "state_at", "taylor_step"]
+__all__ = ["ORDERS", "ROUNDING", "SHORTENINGS", "TRUST", "expand", "order_for", "state_at", "taylor_step"]
 
 ORDERS = (8, 12, 16, 20)
 # Largest defect of a step, in tolerances: a sound step's is about one.
-_TRUST = 4.0
+TRUST = 4.0
 # Rounding of a force relative to its terms, below which no defect is to be seen.
-_ROUNDING = 8.0 * np.finfo(np.float64).eps
-_SHORTENINGS = 40
+ROUNDING = 8.0 * np.finfo(np.float64).eps
+SHORTENINGS = 40
 
 
 def order_for(tolerance: float) -> int:
@@ -150,10 +150,10 @@ def taylor_step(
     length, z, v = series[STEP, LENGTH], series[STEP, END_Z], series[STEP, END_V]
     expected = series[STEP, END_FORCE]
     pressure = pressure_after(opening, physics, valve, elapsed + length)
-    for _ in range(_SHORTENINGS):
-        rounding = _ROUNDING * (1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v))
+    for _ in range(SHORTENINGS):
+        rounding = ROUNDING * (1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v))
         defect = abs(force(physics, z, v, pressure) - expected)
-        if yielding * (defect - rounding) <= _TRUST * control.tolerance:
+        if yielding * (defect - rounding) <= TRUST * control.tolerance:
             break
         shrink = math.exp(math.log(control.tolerance / (yielding * defect)) / (control.order + 1))
         length *= max(0.25, min(0.9, shrink))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .actuator import Actuator
-from .body import State
+from .body import ChainState, State
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,6 +38,8 @@ class Trajectory:
         In [0, 1], or pascal.
     foot, foot_velocity : (..., samples) arrays
         Position of the foot, 0 at the start unless `initial` says otherwise, and its rate.
+    segment_deformation, segment_velocity : (..., segments, samples) arrays
+        Stretch of each segment and its rate, the one behind first; they sum to `deformation` and `velocity`.
     valve : (..., holds) array of int8
         The input that was applied.
     slips : int or (...) array of int
@@ -63,6 +65,8 @@ class Trajectory:
     pressure: NDArray[np.float64]
     foot: NDArray[np.float64]
     foot_velocity: NDArray[np.float64]
+    segment_deformation: NDArray[np.float64]
+    segment_velocity: NDArray[np.float64]
     valve: NDArray[np.int8]
     slips: Any
     events: NDArray[np.void]
@@ -90,8 +94,8 @@ class Trajectory:
         return self.work - self.stored - self.dissipation
 
     @property
-    def final_state(self) -> State:
-        """The last sample of one crawler, from which `simulate` can go on as its `initial`.
+    def final_state(self) -> State | ChainState:
+        """The last sample of one crawler, from which `simulate` can go on as its `initial`; segment by segment if many.
 
         Raises
         ------
@@ -100,7 +104,11 @@ class Trajectory:
         """
         if self.deformation.ndim != 1 or self.actuator is not None:
             raise ValueError("final_state is of one crawler in natural units, got a batch or a trajectory in SI")
-        return State(*(float(getattr(self, name)[-1]) for name in State._fields))
+        last = {name: float(getattr(self, name)[-1]) for name in State._fields}
+        if len(self.segment_deformation) == 1:
+            return State(**last)
+        segments = (self.segment_deformation[:, -1].copy(), self.segment_velocity[:, -1].copy())
+        return ChainState(*segments, *(last[name] for name in ChainState._fields[2:]))
 
     def in_si(self, actuator: Actuator) -> Trajectory:
         """The same motion in metres, seconds, pascals and joules.
@@ -132,6 +140,8 @@ class Trajectory:
             "deformation": scales.length,
             "foot": scales.length,
             "velocity": scales.length / scales.time,
+            "segment_deformation": scales.length,
+            "segment_velocity": scales.length / scales.time,
             "foot_velocity": scales.length / scales.time,
             "pressure": scales.pressure,
             **dict.fromkeys(("work", "stored", "viscous_loss", "friction_loss"), scales.energy),

@@ -144,6 +144,11 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     ) -> None:
         self.groups = Groups.of(groups)
         self.scene = Scene.of(scene)
+        if self.scene.segments > 1 or self.scene.tube_mass > 0.0:
+            raise ValueError(
+                f"scene of the environment must have segments = 1 and tube_mass = 0, got segments = "
+                f"{self.scene.segments} and tube_mass = {self.scene.tube_mass!r}: use simulate"
+            )
         self.hold = number_within("hold", hold, _HOLDS)
         self.tolerance = number_within("tolerance", tolerance, TOLERANCES)
         self.dither = number_within("dither", dither, "[0, 0.5]")

@@ -13,7 +13,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from stickslip.crawler import Groups, REST, Scene
 
-__all__ = ["BACKWARD", "FORWARD", "STICK", "Verdict", "judge"]
+__all__ = ["BACKWARD", "FORWARD", "STICK", "Crawling", "Verdict", "follow", "judge"]
 
 STICK, FORWARD, BACKWARD = 0, 1, -1
 _ACCURACY = {"rtol": 1e-12, "atol": 1e-13}
@@ -45,7 +45,7 @@ class Verdict:
 
 
 @dataclass
-class _Run:
+class Crawling:
     """One crawler on its way."""
 
     groups: Groups
@@ -57,6 +57,12 @@ class _Run:
     peak: float = 0.0
     clearance: float = np.inf
     events: list[tuple[float, int]] = field(default_factory=list)
+
+    foot_rate = 3  # where in `state`
+
+    @property
+    def foot_mass(self):
+        return self.groups.foot_mass_fraction
 
     def force(self, pressure, state):
         """F_int of equations 1 and S18, on the payload; its opposite acts on the foot."""
@@ -89,9 +95,9 @@ class _Run:
         """The functions whose fall below zero ends this motion, each with the motion that follows it."""
         if self.scene.anchored:
             return []
-        s, weight = self.groups.static_friction, self.groups.foot_mass_fraction * self.scene.slope
+        s, weight = self.groups.static_friction, self.foot_mass * self.scene.slope
         if self.motion != STICK:
-            return [(lambda p, y: self.motion * y[3], None)]
+            return [(lambda p, y: self.motion * y[self.foot_rate], None)]
         forward = (lambda p, y: s + weight + self.force(p, y), FORWARD)
         backward = (lambda p, y: s - weight - self.force(p, y), BACKWARD)
         return [forward] if self.scene.ratchet else [forward, backward]
@@ -103,10 +109,18 @@ def judge(groups, valve, hold, *, scene=None, samples_per_hold=1, initial=None) 
     start = initial or REST
     speeds = [start.velocity + start.foot_velocity, start.foot_velocity]
     positions = [start.deformation + start.foot, start.foot]
-    run = _Run(groups, scene, np.array([*positions, *speeds, 0.0, 0.0, 0.0]))
+    run = Crawling(groups, scene, np.array([*positions, *speeds, 0.0, 0.0, 0.0]))
     run.motion = int(np.sign(start.foot_velocity))
-    opening = start.pressure
-    rows = []
+    p, rows, clearance = follow(run, valve, hold, samples_per_hold, start.pressure)
+    payload, foot, payload_rate, foot_rate = rows[:4]
+    return Verdict(
+        payload - foot, payload_rate - foot_rate, p, foot, foot_rate, run.events, clearance, *run.state[4:], foot[-1]
+    )
+
+
+def follow(run, valve, hold, samples_per_hold, opening):
+    """Take `run` through the schedule from the pressure `opening`: pressures, states (one a column), clearance."""
+    groups, rows = run.groups, []
     for k, command in enumerate(valve):
         begin = k * hold
 
@@ -117,11 +131,8 @@ def judge(groups, valve, hold, *, scene=None, samples_per_hold=1, initial=None) 
             _advance(run, pressure, begin + hold * (j + 1) / samples_per_hold)
             rows.append([pressure(run.time), *run.state])
         opening = pressure(begin + hold)
-    p, payload, foot, payload_rate, foot_rate = np.array(rows).T[:5]
-    clearance = min([run.clearance, *(abs(gap(opening, run.state)) for gap, _ in run.gaps())])
-    return Verdict(
-        payload - foot, payload_rate - foot_rate, p, foot, foot_rate, run.events, clearance, *run.state[4:], foot[-1]
-    )
+    p, *states = np.array(rows).T
+    return p, states, min([run.clearance, *(abs(gap(opening, run.state)) for gap, _ in run.gaps())])
 
 
 def _advance(run, pressure, until):
@@ -217,13 +228,13 @@ def _begin(run, pressure, motion):
     if motion is None:
         run.clearance = min(run.clearance, run.peak)
         # A foot that comes to rest under too great a push turns round at once.
-        weight = run.groups.foot_mass_fraction * run.scene.slope
+        weight = run.foot_mass * run.scene.slope
         push = run.motion * (run.force(pressure(run.time), run.state) + weight)
         turns = not run.scene.ratchet and push > run.groups.static_friction
         if not run.scene.ratchet:
             run.clearance = min(run.clearance, abs(push - run.groups.static_friction))
         motion = -run.motion if turns else STICK
     run.state = run.state.copy()
-    run.state[3] = 0.0
+    run.state[run.foot_rate] = 0.0
     run.motion, run.fresh, run.peak = motion, True, 0.0
     run.events.append((run.time, motion))

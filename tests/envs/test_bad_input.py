@@ -25,6 +25,8 @@ NAN, INF = float("nan"), float("inf")
         ({"groups": {"duffing": "1"}}, TypeError, "duffing must be a number in [0, inf), got '1'"),
         ({"scene": {"wind": 1}}, ValueError, "scene has no 'wind'; allowed are ['anchored', *]"),
         ({"scene": {"anchored": 1}}, TypeError, "scene anchored must be True or False, got 1"),
+        ({"scene": {"segments": 3}}, ValueError, "scene * must have segments = 1 *, got segments = 3 *: use simulate"),
+        ({"scene": {"tube_mass": 0.5}}, ValueError, "scene * must have * tube_mass = 0, got * = 0.5: use simulate"),
         ({"scene": "moon"}, TypeError, "scene must be *, got 'moon'"),
         ({"hold": 0}, ValueError, "hold must be in (0, 10000], got 0"),
         ({"hold": INF}, ValueError, "hold must be in (0, 10000], got inf"),

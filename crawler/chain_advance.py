@@ -1,0 +1,241 @@
+"""One chain through its schedule: the crawler's own loop, with a state for each segment.
+
+Steps, events and samples follow the same rules as in `advance`: a step ends at whichever comes first of its error
+bound, the foot's next event and the end of the hold.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..compilation import compiled
+from .advance import FARTHEST, record
+from .body import Body, Ledger, STUCK
+from .chain import (
+    Chain,
+    ChainSeries,
+    expand_chain,
+    foot_at,
+    longest_step,
+    pulls_at,
+    segment_mobility,
+    stretches_at,
+)
+from .chain_energy import account_chain
+from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome
+from .equations import force, pressure_after
+from .events import breaking_loose, change_motion, comes_to_rest, motion_after_rest, started
+from .polynomial import first_descent, horner
+from .taylor import ROUNDING, SHORTENINGS, TRUST
+from .workspace import FORCE, SCRATCH
+
+__all__ = ["drive_chain"]
+
+
+@compiled
+def drive_chain(
+    body: Body,
+    stretches: NDArray[np.float64],
+    chain: Chain,
+    schedule: NDArray[np.int8],
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    segment_samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    series: ChainSeries,
+) -> tuple[Outcome, int]:
+    """Advance one chain through its schedule.
+
+    Parameters
+    ----------
+    body : Body
+        Its deformation and velocity are the means of `stretches`.
+    stretches : (2, N) array
+        D and D' of the segments, foot first; moved in place.
+    chain : Chain
+    schedule : (holds,) array of int8
+    hold : float
+    control : Control
+    samples : (5, holds * samples_per_hold) array
+        Receives z, v, p, x, w.
+    segment_samples : (2, N, holds * samples_per_hold) array
+        Receives d and d' of the segments.
+    events : (capacity, 2) array
+        Receives times and new motions.
+    series : ChainSeries
+        Scratch.
+
+    Returns
+    -------
+    outcome : Outcome
+        Of the last hold begun, with the number of events of all.
+    finished : int
+        Holds completed.
+    """
+    each = samples.shape[1] // len(schedule)
+    ledger = Ledger(0.0, 0.0, 0.0)
+    logged = 0
+    steps = 0
+    for k in range(len(schedule)):
+        outcome = _advance_chain(
+            body,
+            stretches,
+            ledger,
+            chain,
+            float(schedule[k]),
+            hold,
+            control,
+            control.max_steps - steps,
+            k * hold,
+            samples[:, k * each : (k + 1) * each],
+            segment_samples[:, :, k * each : (k + 1) * each],
+            events[logged:],
+            series,
+        )
+        body = outcome.body
+        ledger = outcome.ledger
+        logged += outcome.logged
+        steps += outcome.steps
+        if outcome.status != FINISHED:
+            return Outcome(outcome.status, outcome.elapsed, steps, logged, body, ledger), k
+    return Outcome(FINISHED, hold, steps, logged, body, ledger), len(schedule)
+
+
+@compiled
+def _advance_chain(
+    body: Body,
+    stretches: NDArray[np.float64],
+    ledger: Ledger,
+    chain: Chain,
+    valve: float,
+    hold: float,
+    control: Control,
+    budget: int,
+    start: float,
+    samples: NDArray[np.float64],
+    segment_samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    series: ChainSeries,
+) -> Outcome:
+    """Advance one chain by one hold of the valve, which begins at the time `start`, in `budget` steps at most."""
+    segments = stretches.shape[1]
+    count = samples.shape[1]
+    done = 0
+    logged = 0
+    elapsed = 0.0
+    opening = body
+    for steps in range(1, budget + 1):
+        expand_chain(stretches, body, chain, valve, control.order, series)
+        length = longest_step(chain, body.motion, control.order, control.tolerance, series)
+        if not length > 0.0:
+            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
+        length = _trusted_length(body, chain, valve, control, min(length, hold - elapsed), series)
+        length, motion = _next_event(body, chain, valve, control.order, length, series)
+
+        # The last step ends on the hold itself, so that no sample is lost to the rounding of a sum.
+        last = motion == body.motion and length >= hold - elapsed
+        reached = hold if last else elapsed + length
+        while done < count:
+            moment = hold * ((done + 1) / count)
+            if moment > reached:
+                break
+            pressure = pressure_after(opening, chain.physics, valve, moment)
+            sampled = _state_at(body, pressure, control.order, min(moment - elapsed, length), series)
+            record(sampled, samples, done)
+            for j in range(segments):
+                segment_samples[0, j, done] = series.ahead[0, j] / segments
+                segment_samples[1, j, done] = series.ahead[1, j] / segments
+            done += 1
+
+        pressure = pressure_after(opening, chain.physics, valve, reached)
+        following = _state_at(body, pressure, control.order, length, series)
+        if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
+            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
+        stretches[:] = series.ahead
+        if control.energy:
+            ledger = account_chain(ledger, body, following, chain.physics, control.order, length, series)
+        elapsed = reached
+        if motion != body.motion:
+            if control.log:
+                if logged == events.shape[0]:
+                    return Outcome(LOG_FULL, elapsed, steps, logged, body, ledger)
+                events[logged, 0] = start + elapsed
+                events[logged, 1] = motion
+                logged += 1
+            following = change_motion(following, motion, chain.physics)
+        body = following
+        if last:
+            return Outcome(FINISHED, hold, steps, logged, body, ledger)
+    return Outcome(OUT_OF_STEPS, elapsed, budget, logged, body, ledger)
+
+
+@compiled
+def _state_at(body: Body, pressure: float, order: int, t: float, series: ChainSeries) -> Body:
+    """State a time `t` into the step, with its D and D' in `series.ahead`."""
+    stretches_at(order, t, series)
+    foot, foot_velocity = foot_at(body, order, t, series)
+    segments = series.ahead.shape[1]
+    z = 0.0
+    v = 0.0
+    for j in range(segments):
+        z += series.ahead[0, j]
+        v += series.ahead[1, j]
+    return Body(z / segments, v / segments, pressure, foot, foot_velocity, body.motion, body.slips)
+
+
+@compiled
+def _trusted_length(
+    body: Body, chain: Chain, valve: float, control: Control, length: float, series: ChainSeries
+) -> float:
+    """The part of a step at whose end every segment's series still satisfies the equation of motion.
+
+    As in `advance`: the defect is the force at the state less the force's own series.
+    """
+    physics = chain.physics
+    order = control.order
+    for _ in range(SHORTENINGS):
+        stretches_at(order, length, series)
+        pulls_at(order, length, series)
+        pressure = pressure_after(body, physics, valve, length)
+        worst = 0.0
+        for j in range(series.ahead.shape[1]):
+            z = series.ahead[0, j]
+            v = series.ahead[1, j]
+            defect = abs(force(physics, z, v, pressure) - series.pulls[j])
+            rounding = ROUNDING * (1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v))
+            yielding = segment_mobility(chain, body.motion, j)
+            if yielding * (defect - rounding) > TRUST * control.tolerance:
+                worst = max(worst, yielding * defect)
+        if worst == 0.0:
+            break
+        shrink = math.exp(math.log(control.tolerance / worst) / (order + 1))
+        length *= max(0.25, min(0.9, shrink))
+    return length
+
+
+@compiled
+def _next_event(
+    body: Body, chain: Chain, valve: float, order: int, length: float, series: ChainSeries
+) -> tuple[float, int]:
+    """Where the step ends, at most at `length`, and the motion that follows.
+
+    A resting foot feels the first segment alone, and that segment's force is the crawler's.
+    """
+    physics = chain.physics
+    if physics.anchored:
+        return length, body.motion
+    rear = series.rear
+    if body.motion == STUCK:
+        return breaking_loose(body, physics, valve, order, length, rear)
+    speed = rear[SCRATCH]
+    for n in range(order + 1):
+        speed[n] = body.motion * series.foot_velocity[n]
+    moment = first_descent(speed, started(speed, physics, order), length)
+    if moment > length:
+        _, velocity = foot_at(body, order, length, series)
+        if not comes_to_rest(body.motion, physics, horner(rear[FORCE], order, length), velocity):
+            return length, body.motion
+        moment = length
+    return moment, motion_after_rest(body.motion, physics, horner(rear[FORCE], order, moment))

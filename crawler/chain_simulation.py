@@ -1,0 +1,84 @@
+"""A chain for `simulate`: where it begins, its run, and the energy it stores."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..validation import finite_array
+from .body import Body, ChainState
+from .chain import chain_of, chain_order, series_for
+from .chain_advance import drive_chain
+from .control import Control, LOG_FULL, Outcome
+from .groups import Groups
+from .scene import Scene
+from .tube import is_chain, node_masses
+
+__all__ = ["run_chain", "stretches_of"]
+
+
+def stretches_of(initial: ChainState, scene: Scene) -> NDArray[np.float64]:
+    """The stretches D = N d and D' of the segments, shape (2, segments).
+
+    Raises
+    ------
+    ValueError
+        If `initial` has another number of segments than `scene`, is not finite, or stretches massless segments
+        unevenly: they all pull alike.
+    TypeError
+        If the stretches are not arrays of real numbers.
+    """
+    segments = scene.segments
+    stretches = np.empty((2, segments))
+    for row, name in zip(stretches, ("segment_deformation", "segment_velocity"), strict=True):
+        values = finite_array(f"initial {name}", getattr(initial, name), 1)
+        if len(values) != segments:
+            raise ValueError(f"initial {name} must have segments = {segments} values, got {len(values)}")
+        if not is_chain(scene) and np.ptp(values) > 0.0:
+            raise ValueError(f"initial {name} must be the same for all segments where tube_mass is 0, got {values}")
+        row[:] = segments * values
+    return stretches
+
+
+def run_chain(
+    body: Body,
+    stretches: NDArray[np.float64],
+    groups: Groups,
+    scene: Scene,
+    schedule: NDArray[np.int8],
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    segment_samples: NDArray[np.float64],
+) -> tuple[Outcome, int, NDArray[np.float64], float]:
+    """Advance one chain through its schedule; the arrays are those of `drive_chain`, and `stretches` are left alone.
+
+    Returns
+    -------
+    outcome : Outcome
+    finished : int
+        Holds completed.
+    events : (events, 2) array
+        Times and new motions.
+    stored : float
+        Growth of the stored energy.
+    """
+    chain, series = chain_of(groups, scene), series_for(scene.segments)
+    control = control._replace(order=chain_order(control.order))
+    capacity = 64 + 4 * len(schedule)
+    while True:
+        events, moved = np.empty((capacity, 2)), stretches.copy()
+        outcome, finished = drive_chain(
+            body, moved, chain, schedule, hold, control, samples, segment_samples, events, series
+        )
+        if outcome.status != LOG_FULL:
+            stored = _stored(outcome.body, moved, groups, scene) - _stored(body, stretches, groups, scene)
+            return outcome, finished, events[: outcome.logged], stored
+        capacity *= 2
+
+
+def _stored(body: Body, stretches: NDArray[np.float64], groups: Groups, scene: Scene) -> float:
+    """Kinetic, elastic and potential energy, in units of P_max A_0 z_c."""
+    masses = node_masses(groups, scene)
+    places, rates = np.cumsum(np.vstack([[body.foot, body.foot_velocity], stretches.T / scene.segments]), axis=0).T
+    kinetic = 0.5 * masses @ rates**2
+    elastic = np.mean(0.5 * stretches[0] ** 2 + 0.25 * groups.duffing * stretches[0] ** 4)
+    return float(kinetic + elastic + scene.slope * (masses @ places))

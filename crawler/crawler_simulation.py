@@ -1,0 +1,65 @@
+"""A crawler of one body for `simulate`: its run, and the energy it stores."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .body import Body, physics
+from .control import Control, LOG_FULL, Outcome
+from .driving import drive
+from .groups import Groups
+from .scene import Scene
+from .solvers import Solver
+from .tube import as_crawler
+
+__all__ = ["run_crawler"]
+
+
+def run_crawler(
+    body: Body,
+    groups: Groups,
+    scene: Scene,
+    schedule: NDArray[np.int8],
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    solver: Solver,
+) -> tuple[Outcome, int, NDArray[np.float64], float]:
+    """Advance any tube that is one body through its schedule, in its own unit of time.
+
+    Returns
+    -------
+    outcome : Outcome
+    finished : int
+        Holds completed.
+    events : (events, 2) array
+        Times and new motions.
+    stored : float
+        Growth of the stored energy.
+    """
+    groups, scene, unit = as_crawler(groups, scene)
+    start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
+    coefficients = physics(groups, scene)
+    workspace = solver.workspace(coefficients, hold / unit, samples.shape[1] // len(schedule))
+    capacity = 64 + 4 * len(schedule)
+    while True:
+        events = np.empty((capacity, 2))
+        outcome, finished = drive(start, coefficients, schedule, hold / unit, control, samples, events, workspace)
+        if outcome.status != LOG_FULL:
+            break
+        capacity *= 2
+    stored = _stored(outcome.body, groups, scene) - _stored(start, groups, scene)
+    events = events[: outcome.logged]
+    if unit != 1.0:
+        samples[[1, 4]] /= unit
+        events[:, 0] *= unit
+        outcome = outcome._replace(elapsed=outcome.elapsed * unit)
+    return outcome, finished, events, stored
+
+
+def _stored(body: Body, groups: Groups, scene: Scene) -> float:
+    """Kinetic, elastic and potential energy, in units of P_max A_0 z_c."""
+    r = groups.foot_mass_fraction
+    z, foot_rate, payload_rate = body.deformation, body.foot_velocity, body.foot_velocity + body.velocity
+    kinetic = 0.5 * (r * foot_rate * foot_rate + (1.0 - r) * payload_rate * payload_rate)
+    elastic = 0.5 * z * z * (1.0 + 0.5 * groups.duffing * z * z)
+    return kinetic + elastic + scene.slope * (body.foot + (1.0 - r) * z)
