@@ -46,7 +46,8 @@ def run(
     np.testing.assert_array_equal(done.payload, done.foot + done.deformation)
     # Work is stored, or lost in the elastomer and under the foot.
     size = 1.0 + abs(done.work) + abs(done.stored) + done.dissipation
-    assert abs(done.energy_residual) < (10.0 * tolerance + 1e-12) * size * (1.0 + done.time[-1])
+    fastest = 1.0 + np.abs(done.velocity).max()  # energy goes to and fro as fast, and is rounded each time
+    assert abs(done.energy_residual) < (10.0 * tolerance + 1e-12 * fastest) * size * (1.0 + done.time[-1])
     assert min(done.viscous_loss, done.friction_loss) > -1e-12 * size
     return done
 
