@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-SOURCES := crawler reservoir tasks envs train stickslip
+SOURCES := crawler reservoir tasks envs train studies stickslip
 KERNELS := $(wildcard crawler/*.py reservoir/*.py envs/*.py)
 # Two cores: BLAS and torch must not fight the processes beside them.
 export OMP_NUM_THREADS ?= 1

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+from ..files import atomically
+
 if TYPE_CHECKING:
     from .trajectory import Trajectory
 
-__all__ = ["MARKERS", "OKABE_ITO", "house_style", "plot_trajectory"]
+__all__ = ["MARKERS", "OKABE_ITO", "house_style", "plot_trajectory", "save_figure"]
 
 # M. Okabe and K. Ito, "Color universal design" (2008): told apart by all common forms of colour vision.
 OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442", "#000000")
@@ -36,6 +39,14 @@ def house_style() -> Iterator[None]:
     """Draw in the style of all figures of this package, and leave matplotlib's settings as they were."""
     with plt.rc_context(_STYLE):
         yield
+
+
+def save_figure(figure: Figure, *files: Path) -> None:
+    """Write a figure to files, each whole or not at all and in the form that its suffix names, and close it."""
+    with house_style():
+        for file in files:
+            atomically(file, figure.savefig)
+    plt.close(figure)
 
 
 def plot_trajectory(trajectory: Trajectory) -> Figure:

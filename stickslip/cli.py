@@ -1,4 +1,4 @@
-"""The command line: ``stickslip demo``, ``stickslip train``, ``stickslip evaluate``."""
+"""The command line: ``stickslip demo``, ``stickslip train``, ``stickslip evaluate``, ``stickslip speed``."""
 
 import sys
 

@@ -4,13 +4,18 @@ import json
 import os
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TYPE_CHECKING
 
 import typer
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
 
-from .validation import whole_number
+from .validation import number_within, whole_number
+
+if TYPE_CHECKING:
+    from .studies import WorkPrecision
 
 __all__ = ["app", "run"]
 
@@ -88,7 +93,7 @@ def train(
 
     arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold}
     if groups is not None:
-        arguments["groups"] = _json_object("--groups", groups) if groups.lstrip().startswith("{") else groups
+        arguments["groups"] = _groups(groups)
     further = _json_object("--env-kwargs", env_kwargs)
     for name in (*arguments, "groups", "render_mode"):
         if name in further:
@@ -135,6 +140,81 @@ def evaluate(
     result = evaluate_run(run, checkpoint=checkpoint, output=output, steps=steps, seed=seed, video=video)
     for name, value in result.items():
         typer.echo(f"{name:<24} {value}")
+
+
+@app.command()
+def speed(
+    output: Annotated[Path, typer.Option(help="Folder of the table and the figure.")] = Path("runs/speed"),
+    groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
+    scene: Annotated[str, typer.Option(help="JSON such as '{\"ratchet\": false}'.")] = "{}",
+    hold: Annotated[float, typer.Option(help="Time that the valve keeps each state, natural time.")] = 0.5,
+    holds: Annotated[int, typer.Option(help="Random valve states in the run.")] = 400,
+    error: Annotated[float, typer.Option(help="Largest error wanted, natural units.")] = 1e-6,
+    rounds: Annotated[int, typer.Option(help="How often everything is timed.")] = 31,
+    seed: Annotated[int, typer.Option(help="Of the valve states.")] = 0,
+) -> None:
+    """See what each solver and tolerance errs by and takes on your crawler, and which to use."""
+    from .crawler import Groups, Scene
+    from .crawler.plotting import save_figure
+    from .files import atomically
+    from .studies import Case, measure, plot_work_precision, recommend
+
+    number_within("--error", error, "(0, inf)")
+    whole_number("--rounds", rounds, 1)
+    case = Case(
+        groups=Groups.of(None if groups is None else _groups(groups)),
+        scene=Scene.of(_json_object("--scene", scene)),
+        hold=hold,
+        holds=whole_number("--holds", holds, 1),
+        seed=whole_number("--seed", seed, 0),
+    )
+    output.mkdir(parents=True, exist_ok=True)
+    with _progress_bar() as bar:
+        task = bar.add_task("measuring")
+        study = measure(case, rounds=rounds, on_progress=lambda done, of: bar.update(task, completed=done, total=of))
+    recommendation = recommend(study, error)
+    found = {**study.to_dict(), "wanted": error, "recommendation": recommendation.sentence}
+    text = json.dumps(found, indent=2) + "\n"
+    atomically(output / "work_precision.json", lambda path: path.write_text(text, encoding="utf-8"))
+    figure = plot_work_precision(study, recommendation)
+    save_figure(figure, *(output / f"work_precision.{form}" for form in ("png", "svg")))
+    console = Console()
+    console.print(_work_precision_table(study))
+    for line in (*study.notes, recommendation.sentence, f"Figure and table: {output}"):
+        console.print(line, highlight=False)
+
+
+def _work_precision_table(study: "WorkPrecision") -> Table:
+    """The rows of a study, ready to print."""
+    table = Table(title=study.title, title_justify="left", box=SIMPLE_HEAD, padding=0, pad_edge=False)
+    table.caption, table.caption_justify = (
+        "≤: at the floor of what can be told; ✗: not the reference's slip count",
+        "left",
+    )
+    table.add_column("solver")
+    for name in ("tolerance", *study.reference.floors, "slips", "µs per unit", "quartiles", "ratio"):
+        table.add_column(name, justify="right")
+    cheapest = min(row.timing.median for row in study.rows)
+    for row in study.rows:
+        errors = [
+            ("≤" if row.errors[name] <= floor else "") + f"{study.error(row, name):.1e}"
+            for name, floor in study.reference.floors.items()
+        ]
+        table.add_row(
+            row.solver,
+            "any" if row.tolerance is None else f"{row.tolerance:.0e}",
+            *errors,
+            f"{row.slips}" if row.slips_agree else f"{row.slips} ✗",
+            f"{row.timing.median:.2f}",
+            f"{row.timing.low:.2f}–{row.timing.high:.2f}",
+            f"{row.timing.median / cheapest:.2f}",
+        )
+    return table
+
+
+def _groups(text: str) -> str | dict[str, Any]:
+    """A preset's name, or a mapping of fields from JSON."""
+    return _json_object("--groups", text) if text.lstrip().startswith("{") else text
 
 
 def _progress_bar() -> Progress:

@@ -18,14 +18,15 @@ from rich.table import Table
 from threadpoolctl import threadpool_limits
 
 from .crawler import Groups, Scene, simulate
+from .crawler.plotting import save_figure
 from .envs import StickSlipCrawlerEnv
+from .files import atomically
 from .reservoir import memory_capacity
 from .tasks import crawler_and_baselines, plot_memory_profile, random_bits, run_benchmark, table
 from .train.evaluation import film, measure
 from .train.figures import plot_trade
 from .train.hyperparameters import read_hyperparameters
-from .train.report import save_figure
-from .train.run import atomically, Configuration, Run
+from .train.run import Configuration, Run
 from .train.schedules import necklaces, Performance, performance, repeat
 from .train.training import load_policy, train
 

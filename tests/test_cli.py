@@ -1,5 +1,6 @@
 """The command line: what it prints, and that it refuses in one line."""
 
+import json
 import os
 import subprocess
 import sys
@@ -92,7 +93,41 @@ def test_a_policy_is_trained_resumed_and_evaluated(capsys, tmp_path):
     assert "speed" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--groups", "octopus"], "error: groups must be one of the presets ["),
+        (["--groups", '{"duffing": -1}'], "error: duffing must be in [0, inf), got -1"),
+        (["--groups", '{"duffing": '], "error: --groups must be a JSON object, got '{\"duffing\": '"),
+        (["--scene", "[1]"], "error: --scene must be a JSON object, got '[1]'"),
+        (["--scene", '{"wheels": 4}'], "error: scene has no 'wheels'"),
+        (["--hold", "nan"], "error: hold must be in (0, inf), got nan"),
+        (["--holds", "0"], "error: --holds must be a whole number >= 1, got 0"),
+        (["--error", "0"], "error: --error must be in (0, inf), got 0"),
+        (["--rounds", "0"], "error: --rounds must be a whole number >= 1, got 0"),
+        (["--seed", "-1"], "error: --seed must be a whole number >= 0, got -1"),
+    ],
+)
+def test_a_measurement_of_speed_is_refused_in_one_line(capsys, tmp_path, arguments, message):
+    assert refuse(capsys, "speed", "--output", str(tmp_path / "speed"), *arguments).startswith(message)
+    assert not (tmp_path / "speed").exists()
+
+
+def test_speed_and_accuracy_are_measured_and_a_choice_recommended(capsys, tmp_path):
+    folder = tmp_path / "speed"
+    assert run(["speed", "--output", str(folder), "--groups", "linear", "--holds", "20", "--rounds", "2"]) == 0
+    printed = capsys.readouterr().out
+    assert "Reference: " in printed
+    assert "For an error of 1e-06 use " in " ".join(printed.split())
+    assert sorted(path.name for path in folder.iterdir()) == [
+        f"work_precision.{form}" for form in ("json", "png", "svg")
+    ]
+    found = json.loads((folder / "work_precision.json").read_text(encoding="utf-8"))
+    assert (found["groups"]["duffing"], found["holds"], found["wanted"]) == (0.0, 20, 1e-6)
+    assert len(found["rows"]) >= 13
+
+
 def test_the_program_is_installed():
     program = os.path.join(os.path.dirname(sys.executable), "stickslip")
     shown = subprocess.run([program, "--help"], capture_output=True, text=True, check=True)
-    assert {"demo", "train", "evaluate"} <= set(shown.stdout.split())
+    assert {"demo", "train", "evaluate", "speed"} <= set(shown.stdout.split())

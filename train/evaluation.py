@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from ..envs import StickSlipCrawlerEnv
-from .run import atomically
+from ..files import atomically
 from .schedules import Performance, performance
 
 __all__ = ["film", "measure", "roll_out"]

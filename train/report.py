@@ -5,14 +5,16 @@ from pathlib import Path
 from typing import Any
 
 from ..crawler import simulate
+from ..crawler.plotting import save_figure
 from ..envs import StickSlipCrawlerEnv
+from ..files import atomically
 from ..tasks import plot_memory_profile
 from .evaluation import film, measure
 from .figures import plot_learning
-from .run import atomically, Run
+from .run import Run
 from .training import load_policy
 
-__all__ = ["evaluate_run", "save_figure"]
+__all__ = ["evaluate_run"]
 
 _GAIT_HOLDS = 40
 
@@ -89,14 +91,3 @@ def evaluate_run(
         film(policy, output / "clip.mp4", env_kwargs=arguments, seed=seed)
     atomically(output / "results.json", lambda path: path.write_text(json.dumps(summary, indent=2) + "\n"))
     return summary
-
-
-def save_figure(figure: Any, file: Path) -> None:
-    """Write a figure whole or not at all, and close it."""
-    from matplotlib import pyplot as plt
-
-    from ..crawler.plotting import house_style
-
-    with house_style():
-        atomically(file, figure.savefig)
-    plt.close(figure)

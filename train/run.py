@@ -1,17 +1,17 @@
 """A training run on disk: what was asked for, its checkpoints and its best policy."""
 
-import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from ..files import atomically
 from ..validation import whole_number
 
-__all__ = ["Configuration", "Run", "atomically"]
+__all__ = ["Configuration", "Run"]
 
 _CHECKPOINT = re.compile(r"(\d+)_steps\.zip")
 ALGORITHMS = ("ppo",)
@@ -145,21 +145,3 @@ class Run:
             if match:
                 found[int(match[1])] = path
         return found[max(found)] if found else None
-
-
-def atomically(path: Path, write: Callable[[Path], Any]) -> None:
-    """Have a file written whole or not at all.
-
-    Parameters
-    ----------
-    path : Path
-        Where the file is to be.
-    write : callable
-        Writes it at the path it is given, in the same folder and with the same suffix.
-    """
-    temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
-    try:
-        write(temporary)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)

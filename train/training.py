@@ -16,8 +16,9 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import VecEnv
 
 from ..envs import StickSlipCrawlerEnv
+from ..files import atomically
 from .hyperparameters import resolve
-from .run import atomically, Configuration, Run
+from .run import Configuration, Run
 
 __all__ = ["load_policy", "train"]
 

@@ -11,7 +11,7 @@ from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.train.evaluation import measure
 from stickslip.train.hyperparameters import read_hyperparameters
 from stickslip.train.report import evaluate_run
-from stickslip.train.run import atomically, Configuration, Run
+from stickslip.train.run import Configuration, Run
 from stickslip.train.training import load_policy, train
 
 ID = "StickSlipCrawler-v0"
@@ -180,20 +180,6 @@ def test_a_corrupted_configuration_is_refused(tmp_path, text):
     (tmp_path / "configuration.yml").write_text(text)
     with pytest.raises(ValueError, match=r"configuration\.yml must"):
         Run.open(tmp_path)
-
-
-def test_a_file_is_written_whole_or_not_at_all(tmp_path):
-    file = tmp_path / "file.txt"
-    file.write_text("old")
-
-    def fail(path):
-        path.write_text("half")
-        raise OSError("disk full")
-
-    with pytest.raises(OSError, match="disk full"):
-        atomically(file, fail)
-    assert file.read_text() == "old"
-    assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
 
 
 def test_an_evaluation_writes_its_figures_numbers_and_clip(short_run):
