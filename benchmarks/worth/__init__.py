@@ -1,0 +1,1 @@
+"""What `benchmarks/accuracy_worth.py` is made of."""
