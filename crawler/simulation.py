@@ -24,6 +24,8 @@ __all__ = ["HOLDS", "TOLERANCES", "SolverError", "simulate", "solver_error"]
 HOLDS = "(0, inf)"
 TOLERANCES = "[1e-15, 1e-2]"
 _STEPS_A_HOLD = 1000
+# The budget is one of work: a chain of many segments may take fewer steps.
+_SEGMENTS_A_STEP = 10
 
 
 class SolverError(RuntimeError):
@@ -65,7 +67,7 @@ def simulate(
     initial : State or ChainState, optional
         At rest by default; the same for the whole batch. A `State` stretches all segments alike.
     max_steps : int, optional
-        Steps that each crawler may take in all; a million and a thousand a hold by default.
+        Steps that each crawler may take in all; a million and a thousand a hold by default, fewer for long chains.
 
     Returns
     -------
@@ -90,7 +92,9 @@ def simulate(
     body, stretches = _start(REST if initial is None else initial, scene)
 
     batch, holds = schedule.shape
-    budget = MAX_STEPS + _STEPS_A_HOLD * holds if max_steps is None else whole_number("max_steps", max_steps, 1)
+    budget = (MAX_STEPS + _STEPS_A_HOLD * holds) // max(1, scene.segments // _SEGMENTS_A_STEP)
+    if max_steps is not None:
+        budget = whole_number("max_steps", max_steps, 1)
     samples = np.empty((batch, 5, holds * samples_per_hold))
     parts = np.empty((batch, 2, scene.segments, samples.shape[2]) if is_chain(scene) else 0)
     finals: list[Body] = []
