@@ -9,22 +9,21 @@ figure is drawn. About 13 minutes of one core from nothing, half of it for the t
 import argparse
 import json
 import os
-import platform
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 # Matrices are small here: idle threads would take the processor from others. This must come before NumPy's import.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from measuring import keep, machine
 from worth.cost import cost
 from worth.experiments import chaos, crawling, fixed_policies, tasks, Work
 from worth.figure import draw
 from worth.page import refreshed, tables
 from worth.settings import ALL
 
-from stickslip.train.run import atomically
+from stickslip.files import atomically
 
 BENCHMARKS = Path(__file__).parent
 RESULTS = BENCHMARKS / "results" / "accuracy_worth.json"
@@ -81,28 +80,9 @@ def measure(only: str | None) -> tuple[dict[str, Any], list[str]]:
 
 def save(results: dict[str, Any]) -> None:
     """Write the file, whole or not at all."""
-    content = {"machine": machine(), "tolerances": ALL, "results": results}
+    content = {"machine": machine(*LIBRARIES), "tolerances": ALL, "results": results}
     RESULTS.parent.mkdir(exist_ok=True)
-    atomically(RESULTS, lambda path: path.write_text(json.dumps(content, indent=1) + "\n"))
-
-
-def machine() -> dict[str, Any]:
-    """What the numbers were measured on."""
-    model = next(
-        (line.split(":")[1].strip() for line in _lines("/proc/cpuinfo") if line.startswith("model name")),
-        platform.processor(),
-    )
-    return {
-        "processor": model,
-        "cores": os.cpu_count(),
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        **{library: version(library) for library in LIBRARIES},
-    }
-
-
-def _lines(path: str) -> list[str]:
-    return Path(path).read_text().splitlines() if Path(path).exists() else []
+    keep(RESULTS, content)
 
 
 def report(results: dict[str, Any]) -> None:

@@ -17,16 +17,14 @@ where they are more than one.
 import argparse
 import json
 import math
-import os
-import platform
 import statistics
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
+from measuring import keep, machine
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State, Trajectory
 
@@ -133,33 +131,6 @@ def measure_batch(rows: dict[str, dict[str, Any]], rounds: int) -> dict[str, Any
     return {"members": MEMBERS, "extreme": EXTREME, "slowdown_of_the_others": statistics.median(slower)}
 
 
-def machine() -> dict[str, Any]:
-    return {
-        "processor": _processor(),
-        "cores": os.cpu_count(),
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "numba": numba.__version__,
-    }
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor()
-    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "unknown")
-
-
-def written(results: dict[str, Any]) -> None:
-    """Replace the file of results in one stroke."""
-    RESULTS.parent.mkdir(exist_ok=True)
-    unfinished = RESULTS.with_suffix(".tmp")
-    unfinished.write_text(json.dumps(results, indent=1) + "\n")
-    os.replace(unfinished, RESULTS)
-
-
 def table(results: dict[str, Any]) -> str:
     """The results in Markdown."""
     lines = [
@@ -203,7 +174,7 @@ def main() -> None:
         "rows": measure(rows, rounds),
         "batch": measure_batch(rows, rounds),
     }
-    written(results)
+    keep(RESULTS, results)
     print(table(results))
 
 

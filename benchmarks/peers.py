@@ -22,21 +22,15 @@ os.environ["JAX_PLATFORMS"] = "cpu"
 
 import argparse
 import importlib
-import json
-import platform
 from collections.abc import Iterable
-from datetime import datetime, UTC
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from measuring import keep, machine
 from peer_solvers.comparison import GOALS, measure, meet, Row
 from peer_solvers.one_hold import measure_calls
 from peer_solvers.own import KERNEL, SIMULATE
 from peer_solvers.problem import Contender, FOOT, HOLD, SLIPS, WORD
-
-from stickslip.train.run import atomically
 
 SOLVERS = {
     "own": "stickslip",
@@ -64,7 +58,7 @@ def main() -> None:
     print_goals(goals)
     print_calls(calls)
     results = {
-        "machine": machine(),
+        "machine": machine(*LIBRARIES),
         "trajectory": {"foot": FOOT, "slips": SLIPS, "hold": HOLD, "holds": len(WORD), "word": "11110000"},
         "rounds": arguments.rounds,
         "solvers": [row | {"turns": len(row["turns"])} for row in rows],
@@ -72,7 +66,7 @@ def main() -> None:
         "one hold": calls,
     }
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    atomically(arguments.output, lambda path: path.write_text(json.dumps(results, indent=1) + "\n"))
+    keep(arguments.output, results)
     print(f"written to {arguments.output}")
 
 
@@ -87,32 +81,6 @@ def available() -> Iterable[Contender]:
             print(f"{library} is left out: {missing.name} is not installed; pip install 'stickslip[peers]'")
             continue
         yield from solvers.contenders()
-
-
-def machine() -> dict[str, Any]:
-    """What the numbers were measured on and with."""
-    versions = {}
-    for library in LIBRARIES:
-        try:
-            versions[library] = version(library)
-        except PackageNotFoundError:
-            versions[library] = None
-    return {
-        "processor": processor(),
-        "cores": os.cpu_count(),
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        "versions": versions,
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
-
-
-def processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor()
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
 
 
 def print_rows(rows: list[Row]) -> None:

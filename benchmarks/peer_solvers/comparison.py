@@ -4,9 +4,10 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
+from measuring import quartiles, take_turns
+
 from peer_solvers.own import KERNEL, LIBRARY, SIMULATE
 from peer_solvers.problem import Contender, FOOT, HOLD, WORD
-from peer_solvers.turns import quartiles, take_turns
 
 __all__ = ["GOALS", "Row", "cheapest", "measure", "meet"]
 

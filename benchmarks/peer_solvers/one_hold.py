@@ -10,10 +10,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from measuring import quartiles, take_turns
 from numba import njit
 
 from peer_solvers.problem import GROUPS, WORD
-from peer_solvers.turns import quartiles, take_turns
 from stickslip.crawler import Scene
 from stickslip.crawler.taylor import ROWS, WIDTH
 from stickslip.envs.stepping import hold_valve, rest, settings

@@ -1,12 +1,21 @@
-"""Timing in turns: round after round in one process, so that the machine's drift falls on all alike."""
+"""Timing in turns, the machine described, and results kept: what the benchmarks share."""
 
+import json
 import math
+import os
+import platform
 import time
 from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime, UTC
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-__all__ = ["quartiles", "take_turns"]
+from stickslip.files import atomically
+
+__all__ = ["keep", "machine", "quartiles", "take_turns"]
 
 TURN = 0.01  # least seconds of work that one timing spans
 
@@ -45,6 +54,37 @@ def take_turns(
             if turn % every[name] == 0:
                 seconds[name][turn] = _seconds(works[name], repeats[name])
     return seconds
+
+
+def machine(*libraries: str) -> dict[str, Any]:
+    """What the numbers were measured on and with; the version of a library that is not there is None."""
+    versions: dict[str, str | None] = {}
+    for library in ("stickslip", "numpy", "numba", *libraries):
+        try:
+            versions[library] = version(library)
+        except PackageNotFoundError:
+            versions[library] = None
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "versions": versions,
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.processor())
+
+
+def keep(path: Path, results: Mapping[str, Any]) -> None:
+    """Write results as JSON, whole or not at all."""
+    atomically(path, lambda unfinished: unfinished.write_text(json.dumps(results, indent=1) + "\n"))
 
 
 def quartiles(values: Sequence[float]) -> list[float]:
