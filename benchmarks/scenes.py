@@ -1,7 +1,8 @@
 """Cost of every scene relative to the full crawler, what each integrates, and that models agree where two apply.
 
-Run ``python benchmarks/scenes.py`` (``--rounds N`` for more turns). Scenes take turns, in one process, and the ratio to the crawler is that of the same round; its median and quartiles are printed as the table of the docs
-and kept in `benchmarks/results/scenes.json`. A time includes the whole call of `simulate`.
+Run ``python benchmarks/scenes.py`` (``--rounds N`` for more turns). Scenes take turns in one process, and the ratio to
+the crawler is that of the same round; its median and quartiles are printed as the table of the docs and kept in
+`benchmarks/results/scenes.json`. A time includes the whole call of `simulate`.
 """
 
 import argparse

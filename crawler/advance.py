@@ -11,9 +11,21 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import compiled, OPTIONS
 from .body import Body, Ledger, Physics
-from .control import AFRESH, Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome, Pace, Radau, Taylor
+from .control import (
+    AFRESH,
+    Control,
+    DIVERGED,
+    FINISHED,
+    LOG_FULL,
+    method_of,
+    OUT_OF_STEPS,
+    Outcome,
+    Pace,
+    Radau,
+    Taylor,
+)
 from .energy import account
 from .equations import pressure_after
 from .events import change_motion, next_event
@@ -41,34 +53,19 @@ def next_step(
     raise NotImplementedError
 
 
-@overload(next_step)
+@overload(next_step, jit_options=OPTIONS)
 def _compiled_step(
-    opening: Any,
-    body: Any,
-    physics: Any,
-    valve: Any,
-    elapsed: Any,
-    remaining: Any,
-    control: Any,
-    pace: Any,
-    series: Any,
+    opening: Body,
+    body: Body,
+    physics: Physics,
+    valve: float,
+    elapsed: float,
+    remaining: float,
+    control: Control,
+    pace: Pace,
+    series: NDArray[np.float64],
 ) -> Any:
-    step = {Taylor: taylor_step, Radau: radau_step}[control[-1].instance_class]
-
-    def implementation(
-        opening: Any,
-        body: Any,
-        physics: Any,
-        valve: Any,
-        elapsed: Any,
-        remaining: Any,
-        control: Any,
-        pace: Any,
-        series: Any,
-    ) -> Any:
-        return step(opening, body, physics, valve, elapsed, remaining, control, pace, series)
-
-    return implementation
+    return {Taylor: taylor_step, Radau: radau_step}[method_of(control)]
 
 
 @compiled
@@ -82,7 +79,7 @@ def advance(
     start: float,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
-    series: NDArray[np.float64],
+    workspace: NDArray[np.float64],
 ) -> Outcome:
     """Advance one crawler by one hold of the valve.
 
@@ -103,7 +100,7 @@ def advance(
     events : (capacity, 2) array
         Receives the time and the new motion of each event if `control.log`. Where it is too short the outcome says
         LOG_FULL, and the hold is to be done again from its start with a longer one.
-    series : (ROWS, WIDTH) array
+    workspace : (ROWS, WIDTH) array
         Scratch.
 
     Returns
@@ -117,12 +114,12 @@ def advance(
     opening = body
     pace = AFRESH
     for steps in range(1, control.max_steps + 1):
-        longest, end, pace = next_step(opening, body, physics, valve, elapsed, hold - elapsed, control, pace, series)
+        longest, end, pace = next_step(opening, body, physics, valve, elapsed, hold - elapsed, control, pace, workspace)
         if not longest >= 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
-        length, motion = next_event(body, physics, valve, control.order, longest, series)
+        length, motion = next_event(body, physics, valve, control.order, longest, workspace)
         if motion != body.motion:
-            pace = radau_again(body, physics, control.tolerance, pace, length, series)
+            pace = radau_again(body, physics, control.tolerance, pace, length, workspace)
             if pace.length > 0.0:
                 continue
 
@@ -136,18 +133,18 @@ def advance(
             pressure = pressure_after(opening, physics, valve, moment)
             sampled = end
             if moment - elapsed < longest:
-                sampled = state_at(body, physics, pressure, control.order, min(moment - elapsed, length), series)
+                sampled = state_at(body, physics, pressure, control.order, min(moment - elapsed, length), workspace)
             record(sampled, samples, done)
             done += 1
 
         following = end
         if length < longest:
             pressure = pressure_after(opening, physics, valve, reached)
-            following = state_at(body, physics, pressure, control.order, length, series)
+            following = state_at(body, physics, pressure, control.order, length, workspace)
         if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
         if control.energy:
-            ledger = account(ledger, body, following, physics, control.order, length, series)
+            ledger = account(ledger, body, following, physics, control.order, length, workspace)
         elapsed = reached
         if motion != body.motion:
             following = change_motion(following, motion, physics)

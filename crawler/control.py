@@ -1,6 +1,6 @@
 """What the solvers are told, and what they answer."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .body import Body, Ledger
 
@@ -18,6 +18,7 @@ __all__ = [
     "Pace",
     "Radau",
     "Taylor",
+    "method_of",
 ]
 
 FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
@@ -70,6 +71,11 @@ class Pace(NamedTuple):
     span: float  # of the step whose polynomials lie in the workspace; 0 without one
     begin: float  # of the next step, in those polynomials' time: `span`, or 0 to do the same step again
     error: float  # of that step, in tolerances; 0 for a Taylor series
+
+
+def method_of(control: Any) -> type[Method]:
+    """Class of a control's method, from the type that numba gives the control."""
+    return control[-1].instance_class
 
 
 AFRESH = Pace(0.0, 0.0, 0.0, 0.0)

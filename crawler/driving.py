@@ -6,10 +6,10 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import compiled, OPTIONS
 from .advance import advance
 from .body import Body, Ledger, Physics
-from .control import ClosedForm, Control, FINISHED, Outcome
+from .control import ClosedForm, Control, FINISHED, method_of, Outcome
 from .linear import advance_linear
 
 __all__ = ["advance_by_method", "drive"]
@@ -31,36 +31,21 @@ def advance_by_method(
     raise NotImplementedError
 
 
-@overload(advance_by_method)
+@overload(advance_by_method, jit_options=OPTIONS)
 def _compiled_advance(
-    body: Any,
-    ledger: Any,
-    physics: Any,
-    valve: Any,
-    hold: Any,
-    control: Any,
-    start: Any,
-    samples: Any,
-    events: Any,
-    workspace: Any,
+    body: Body,
+    ledger: Ledger,
+    physics: Physics,
+    valve: float,
+    hold: float,
+    control: Control,
+    start: float,
+    samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    workspace: NDArray[np.float64],
 ) -> Any:
-    kernel = advance_linear if control[-1].instance_class is ClosedForm else advance
-
-    def implementation(
-        body: Any,
-        ledger: Any,
-        physics: Any,
-        valve: Any,
-        hold: Any,
-        control: Any,
-        start: Any,
-        samples: Any,
-        events: Any,
-        workspace: Any,
-    ) -> Any:
-        return kernel(body, ledger, physics, valve, hold, control, start, samples, events, workspace)
-
-    return implementation
+    kernel: Any = advance_linear if method_of(control) is ClosedForm else advance
+    return kernel.py_func
 
 
 @compiled

@@ -59,7 +59,7 @@ def advance_linear(
     start: float,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
-    table: NDArray[np.float64],
+    workspace: NDArray[np.float64],
 ) -> Outcome:
     """Advance one linear crawler by one hold of the valve.
 
@@ -68,7 +68,7 @@ def advance_linear(
     body, ledger, physics, valve, hold, control, start, samples, events
         As for `advance`. Of `control` the tolerance and the order do not matter, and `max_steps` bounds the
         evaluations in search of events.
-    table : (2 S, ENTRIES) array
+    workspace : (2 S, ENTRIES) array
         From `tabulate`, for this crawler, hold and number S of samples.
 
     Returns
@@ -86,7 +86,7 @@ def advance_linear(
         length = hold - elapsed
         resting = body.motion == STUCK
         if elapsed == 0.0 and count > 0:
-            whole = tabulated(table, (count if resting else 2 * count) - 1)
+            whole = tabulated(workspace, (count if resting else 2 * count) - 1)
         else:
             whole = propagator(rates, length)
         budget = control.max_steps - spent
@@ -105,7 +105,7 @@ def advance_linear(
             if since == length:
                 over = whole
             elif elapsed == 0.0 and since == instant:
-                over = tabulated(table, done if resting else count + done)
+                over = tabulated(workspace, done if resting else count + done)
             else:
                 over = propagator(rates, since)
             following = _carried(body, deviating, physics, valve, over, since)

@@ -175,13 +175,12 @@ def collocate(
     return np.nan, AFRESH
 
 
-@compiled
 def radau_step(
-    _opening: Body,
+    opening: Body,
     body: Body,
     physics: Physics,
     valve: float,
-    _elapsed: float,
+    elapsed: float,
     remaining: float,
     control: Control,
     pace: Pace,

@@ -203,7 +203,7 @@ def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Gr
         raise ValueError("valve must have shape (holds,) or (batch, holds), got rows of different length") from None
     if given.ndim not in (1, 2) or given.size == 0:
         raise ValueError(f"valve must have shape (holds,) or (batch, holds) and not be empty, got {given.shape}")
-    wrong = np.argwhere(~np.isin(given, (0, 1))) if given.dtype.kind in "biuf" else np.zeros((1, given.ndim), int)
+    wrong = np.argwhere((given != 0) & (given != 1)) if given.dtype.kind in "biuf" else np.zeros((1, given.ndim), int)
     if len(wrong):
         index = tuple(int(i) for i in wrong[0])
         raise ValueError(f"valve must hold only 0 and 1, got {given[index]!r} at index {index}")

@@ -105,7 +105,6 @@ def expand(
         write_step(20, inputs, series)
 
 
-@compiled
 def taylor_step(
     opening: Body,
     body: Body,
@@ -114,7 +113,7 @@ def taylor_step(
     elapsed: float,
     remaining: float,
     control: Control,
-    _pace: Pace,
+    pace: Pace,
     series: NDArray[np.float64],
 ) -> tuple[float, Body, Pace]:
     """One step, as short as it takes for the series to satisfy the equation of motion at its end.
@@ -131,6 +130,8 @@ def taylor_step(
     elapsed, remaining : float
         Time from the start of the hold, and to its end.
     control : Control
+    pace : Pace
+        Of no matter here.
     series : (ROWS, WIDTH) array
         Receives the step's polynomials.
 

@@ -57,7 +57,7 @@ def as_crawler(groups: Groups, scene: Scene) -> tuple[Groups, Scene, float]:
         t_c of that crawler over t_c of `groups`; 1 for a massless tube, whose groups are returned as they are.
     """
     if scene.tube_mass == 0.0:
-        return groups, replace(scene, segments=1), 1.0
+        return groups, scene if scene.segments == 1 else replace(scene, segments=1), 1.0
     mass = 1.0 + scene.tube_mass
     unit = math.sqrt(mass)
     equivalent = replace(

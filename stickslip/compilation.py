@@ -5,8 +5,9 @@ from typing import Any, cast, TypeVar
 
 from numba import njit
 
-__all__ = ["compiled"]
+__all__ = ["OPTIONS", "compiled"]
 
+OPTIONS = {"nogil": True, "error_model": "numpy"}
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 
@@ -24,7 +25,7 @@ def compiled(kernel: Kernel) -> Kernel:
     callable
     """
     try:
-        return cast("Kernel", njit(cache=True, nogil=True, error_model="numpy")(kernel))
+        return cast("Kernel", njit(cache=True, **OPTIONS)(kernel))
     except RuntimeError:
         # A read-only installation without a home, as in a container, is compiled anew in every process.
-        return cast("Kernel", njit(nogil=True, error_model="numpy")(kernel))
+        return cast("Kernel", njit(**OPTIONS)(kernel))
