@@ -16,11 +16,11 @@ from typing import Any
 # Matrices are small here: idle threads would take the processor from others. This must come before NumPy's import.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from measuring import keep, machine
+from measuring import keep, machine, refresh
 from worth.cost import cost
 from worth.experiments import chaos, crawling, fixed_policies, tasks, Work
 from worth.figure import draw
-from worth.page import refreshed, tables
+from worth.page import tables
 from worth.settings import ALL
 
 from stickslip.files import atomically
@@ -90,8 +90,7 @@ def report(results: dict[str, Any]) -> None:
     made = tables(results)
     for name, table in made.items():
         print(f"\n{name}\n\n{table}")
-    text = refreshed(PAGE.read_text(), made)
-    atomically(PAGE, lambda path: path.write_text(text))
+    refresh(PAGE, made)
     figure = draw(results)
     atomically(FIGURE.with_suffix(".png"), figure.savefig)
     # Without the date the same results make the same file.

@@ -24,12 +24,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measuring import keep, machine
+from measuring import keep, machine, refresh
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State, Trajectory
 
 REFERENCES = Path(__file__).parents[1] / "tests" / "crawler" / "extremes.json"
 RESULTS = Path(__file__).parent / "results" / "extremes.json"
+PAGE = Path(__file__).parents[1] / "docs" / "extremes.md"
 TOLERANCE = 1e-6
 ROUNDS = 9
 SHORTEST = 2e-2  # seconds that one timed call should take, so that the clock and the call itself do not matter
@@ -176,6 +177,7 @@ def main() -> None:
     }
     keep(RESULTS, results)
     print(table(results))
+    refresh(PAGE, {"extremes": table(results)})
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ import json
 import math
 import os
 import platform
+import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, UTC
@@ -15,7 +16,7 @@ import numpy as np
 
 from stickslip.files import atomically
 
-__all__ = ["keep", "machine", "quartiles", "take_turns"]
+__all__ = ["keep", "machine", "quartiles", "refresh", "refreshed", "take_turns"]
 
 TURN = 0.01  # least seconds of work that one timing spans
 
@@ -85,6 +86,28 @@ def _processor() -> str:
 def keep(path: Path, results: Mapping[str, Any]) -> None:
     """Write results as JSON, whole or not at all."""
     atomically(path, lambda unfinished: unfinished.write_text(json.dumps(results, indent=1) + "\n"))
+
+
+def refreshed(page: str, made: Mapping[str, str]) -> str:
+    """The page with every table between its marks, ``<!-- name -->`` and ``<!-- end -->``.
+
+    Raises
+    ------
+    ValueError
+        If a table has no place in the page.
+    """
+    for name, table in made.items():
+        place = re.compile(rf"(<!-- {re.escape(name)} -->\n).*?(<!-- end -->)", re.DOTALL)
+        page, found = place.subn(lambda match, table=table: f"{match[1]}{table}\n{match[2]}", page)
+        if found != 1:
+            raise ValueError(f"the page must have the marks of table {name!r} once, found them {found} times")
+    return page
+
+
+def refresh(page: Path, made: Mapping[str, str]) -> None:
+    """Write tables into a page of the docs, between their marks."""
+    text = refreshed(page.read_text(), made)
+    atomically(page, lambda unfinished: unfinished.write_text(text))
 
 
 def quartiles(values: Sequence[float]) -> list[float]:

@@ -26,7 +26,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from measuring import keep, machine
+from measuring import keep, machine, refresh
 from peer_solvers.comparison import GOALS, measure, meet, Row
 from peer_solvers.one_hold import measure_calls
 from peer_solvers.own import KERNEL, SIMULATE
@@ -39,6 +39,8 @@ SOLVERS = {
     "with_diffrax": "diffrax",
     "with_mujoco": "mujoco",
 }
+RESULTS = Path(__file__).parent / "results" / "peers.json"
+PAGE = Path(__file__).parents[1] / "docs" / "solvers.md"
 LIBRARIES = ("stickslip", "numpy", "numba", "llvmlite", "scipy", "heyoka", "diffrax", "jax", "jaxlib", "mujoco")
 
 
@@ -46,7 +48,7 @@ def main() -> None:
     """Measure, print the tables and write the file."""
     parser = argparse.ArgumentParser(description="The same trajectory by stickslip and its peers.")
     parser.add_argument("--rounds", type=int, default=21, help="of the solvers that take least (default 21)")
-    parser.add_argument("--output", type=Path, default=Path(__file__).parent / "results" / "peers.json")
+    parser.add_argument("--output", type=Path, default=RESULTS)
     arguments = parser.parse_args()
     if arguments.rounds < 1:
         parser.error(f"--rounds must be a whole number >= 1, got {arguments.rounds}")
@@ -68,6 +70,8 @@ def main() -> None:
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
     keep(arguments.output, results)
     print(f"written to {arguments.output}")
+    if arguments.output == RESULTS:
+        refresh(PAGE, {"peers": goals_table(goals), "calls": calls_table(calls)})
 
 
 def available() -> Iterable[Contender]:
@@ -113,6 +117,29 @@ def print_goals(goals: list[Row]) -> None:
         cost = spread(row["microseconds per time unit"])
         name = f"{row['library']} {row['method']}"
         print(f"{row['goal']:<8.0e}{name:32}{row['setting']:16}{cost:26}{times}".rstrip())
+
+
+def goals_table(goals: list[Row]) -> str:
+    """Markdown, for the docs."""
+    lines = [
+        "| error | peer | setting | us per unit of time | over the kernel | over simulate |",
+        "|---|---|---|---:|---:|---:|",
+    ]
+    for row in goals:
+        times = " | ".join(times_text(row["times stickslip"][method]) for method in (KERNEL, SIMULATE))
+        cost = spread(row["microseconds per time unit"])
+        lines.append(f"| {row['goal']:.0e} | {row['library']} {row['method']} | {row['setting']} | {cost} | {times} |")
+    return "\n".join(lines)
+
+
+def calls_table(calls: list[Row]) -> str:
+    """Markdown, for the docs."""
+    names = [name for name in calls[0] if name not in ("hold", "tolerance")]
+    lines = ["| hold | tolerance | " + " | ".join(names) + " |", "|---" * 2 + "|---:" * len(names) + "|"]
+    for case in calls:
+        cells = " | ".join(spread(case[name]) for name in names)
+        lines.append(f"| {case['hold']:g} | {case['tolerance']:g} | {cells} |")
+    return "\n".join(lines)
 
 
 def print_calls(calls: list[Row]) -> None:

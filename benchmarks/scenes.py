@@ -8,16 +8,18 @@ the crawler is that of the same round; its median and quartiles are printed as t
 import argparse
 import os
 from pathlib import Path
+from typing import Any
 
 # Matrices are small here: idle threads would take the processor from others. This must come before NumPy's import.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
-from measuring import keep, machine, quartiles, take_turns
+from measuring import keep, machine, quartiles, refresh, take_turns
 
 from stickslip.crawler import Groups, Scene, simulate
 
 RESULTS = Path(__file__).parent / "results" / "scenes.json"
+PAGE = Path(__file__).parents[1] / "docs" / "solvers.md"
 TOLERANCE = 1e-6
 HOLD, WORDS = 1.0, 50
 WORD = [1, 1, 1, 1, 0, 0, 0, 0]
@@ -60,8 +62,24 @@ def disagreement(pair: list[tuple[Groups, Scene, str]]) -> float:
     return float(np.abs(feet[0] - feet[1]).max())
 
 
+def scene_table(rows: dict[str, dict[str, Any]]) -> str:
+    """Markdown."""
+    lines = ["| scene | states integrated | `Trajectory.model` | cost over the crawler's |", "|---|---|---|---:|"]
+    for name, row in rows.items():
+        low, middle, high = row["ratio"]
+        lines.append(f"| {name} | {row['states']} | {row['model']} | {middle:.2f} [{low:.2f}, {high:.2f}] |")
+    own = rows[CRAWLER]["us_per_time"][1]
+    return "\n".join([*lines, "", f"The crawler itself took {own:.2f} us a unit of time, at tolerance {TOLERANCE:g}."])
+
+
+def agreement_table(agreements: dict[str, float]) -> str:
+    """Markdown."""
+    rows = [f"| {name} | {difference:.0e} |" for name, difference in agreements.items()]
+    return "\n".join(["| compared | largest difference of the feet |", "|---|---:|", *rows])
+
+
 def main() -> None:
-    """Print the tables and keep the results."""
+    """Print the tables, put them into the page and keep the results."""
     parser = argparse.ArgumentParser(description="Cost of every scene relative to the full crawler.")
     parser.add_argument("--rounds", type=int, default=15, help="turns of every scene (default 15)")
     rounds = parser.parse_args().rounds
@@ -74,17 +92,15 @@ def main() -> None:
     seconds = take_turns(works, rounds)
     span = HOLD * WORDS * len(WORD)
     rows = {}
-    print("| scene | states integrated | `Trajectory.model` | cost over the crawler's |")
-    print("|---|---|---|---:|")
     for name, (_, _, states) in CASES.items():
         ratio = quartiles([time / seconds[CRAWLER][turn] for turn, time in seconds[name].items()])
         cost = quartiles([1e6 * time / span for time in seconds[name].values()])
         rows[name] = {"states": states, "model": models[name], "ratio": ratio, "us_per_time": cost}
-        print(f"| {name} | {states} | {models[name]} | {ratio[1]:.2f} [{ratio[0]:.2f}, {ratio[2]:.2f}] |")
-    print(f"\nthe crawler itself: {rows[CRAWLER]['us_per_time'][1]:.2f} us per unit of time, tolerance {TOLERANCE:g}\n")
     agreements = {name: disagreement(pair) for name, pair in PAIRS.items()}
-    for name, difference in agreements.items():
-        print(f"{name}: {difference:.0e}")
+    made = {"scenes": scene_table(rows), "agreements": agreement_table(agreements)}
+    for table in made.values():
+        print(f"{table}\n")
+    refresh(PAGE, made)
     RESULTS.parent.mkdir(exist_ok=True)
     keep(RESULTS, {"machine": machine(), "tolerance": TOLERANCE, "scenes": rows, "disagreements": agreements})
 

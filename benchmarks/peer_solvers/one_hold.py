@@ -6,7 +6,7 @@ same kernel called from a compiled loop. What the call adds over the bare dispat
 with the physics of the hold itself it is ``call - dispatch``.
 """
 
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,7 @@ from numba import njit
 
 from peer_solvers.problem import GROUPS, WORD
 from stickslip.crawler import Scene
-from stickslip.crawler.taylor import ROWS, WIDTH
-from stickslip.envs.stepping import hold_valve, rest, settings
+from stickslip.envs.stepping import rest, Stepper, stepper_for
 
 __all__ = ["measure_calls"]
 
@@ -28,11 +27,11 @@ def measure_calls(rounds: int) -> list[dict[str, Any]]:
     """Quartiles in microseconds a hold, a dictionary a case."""
     results = []
     for hold, tolerance in CASES:
-        fixed = settings(GROUPS, Scene(), hold, tolerance)
+        stepper = stepper_for(GROUPS, Scene(), hold, tolerance, 1)
         works = {
-            "call": partial(_from_python, hold_valve, fixed),
-            "dispatch": partial(_from_python, _nothing, fixed),
-            "physics": partial(_from_compiled, fixed),
+            "call": partial(_from_python, stepper.hold_valve, stepper),
+            "dispatch": partial(_from_python, _nothing, stepper),
+            "physics": partial(_from_compiled, _all_holds(stepper.hold_valve), stepper),
         }
         for work in works.values():
             work()  # compiles
@@ -50,28 +49,32 @@ def measure_calls(rounds: int) -> list[dict[str, Any]]:
     return results
 
 
-def _from_python(kernel, fixed) -> None:
-    body, samples, series, observation = _arrays()
+def _from_python(kernel, stepper: Stepper) -> None:
+    body, samples, observation = _arrays()
     for command in WORD.tolist():
-        kernel(body, fixed, command, samples, series, observation)
+        kernel(body, stepper.fixed, command, samples, stepper.workspace, observation)
 
 
-def _from_compiled(fixed) -> None:
-    body, samples, series, observation = _arrays()
-    _all_holds(body, fixed, WORD, samples, series, observation)
+def _from_compiled(all_holds, stepper: Stepper) -> None:
+    body, samples, observation = _arrays()
+    all_holds(body, stepper.fixed, WORD, samples, stepper.workspace, observation)
 
 
 def _arrays():
-    return rest(), np.empty((5, 1)), np.empty((ROWS, WIDTH)), np.empty(5, np.float32)
+    return rest(), np.empty((5, 1)), np.empty(5, np.float32)
 
 
 # Neither is cached on disk: numba would go on using the kernel that it saw first.
 @njit(nogil=True, error_model="numpy")
-def _nothing(body, fixed, valve, samples, series, observation):
+def _nothing(body, fixed, valve, samples, workspace, observation):
     return 0, 0.0
 
 
-@njit(nogil=True, error_model="numpy")
-def _all_holds(body, fixed, word, samples, series, observation):
-    for command in word:
-        hold_valve(body, fixed, int(command), samples, series, observation)
+@cache
+def _all_holds(hold_valve):
+    @njit(nogil=True, error_model="numpy")
+    def all_holds(body, fixed, word, samples, workspace, observation):
+        for command in word:
+            hold_valve(body, fixed, int(command), samples, workspace, observation)
+
+    return all_holds

@@ -1,6 +1,5 @@
 """The measurements as tables in Markdown, and their places in the page."""
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -15,7 +14,6 @@ __all__ = [
     "STATISTICS",
     "exponent",
     "price",
-    "refreshed",
     "return_loss",
     "score_loss",
     "speed_error",
@@ -28,22 +26,6 @@ Results = Mapping[str, Any]
 STATISTICS = ("mean", "variance", "memory capacity")
 _DIGITS = 1e-12  # differences below this share are rounding
 _REPEATABLE = 1e-9  # a speed that differs by more between the two tightest tolerances is of chaotic motion
-
-
-def refreshed(page: str, made: Mapping[str, str]) -> str:
-    """The page with every table between its marks, ``<!-- name -->`` and ``<!-- end -->``.
-
-    Raises
-    ------
-    ValueError
-        If a table has no place in the page.
-    """
-    for name, table in made.items():
-        place = re.compile(rf"(<!-- {re.escape(name)} -->\n).*?(<!-- end -->)", re.DOTALL)
-        page, found = place.subn(lambda match, table=table: f"{match[1]}{table}\n{match[2]}", page)
-        if found != 1:
-            raise ValueError(f"the page must have the marks of table {name!r} once, found them {found} times")
-    return page
 
 
 def tables(results: Results) -> dict[str, str]:

@@ -5,8 +5,9 @@ import json
 import accuracy_worth
 import numpy as np
 import pytest
+from measuring import refreshed
 from scipy import stats
-from worth.page import refreshed, tables
+from worth.page import tables
 from worth.settings import ENVIRONMENT_DEFAULT, SIMULATE_DEFAULT, TOLERANCES
 from worth.summary import deviations, exponent_from, loss, tolerance_effect
 
