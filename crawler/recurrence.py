@@ -62,8 +62,8 @@ def coefficients(
         half = sum_of_products([z[i] for i in outward], [z[n - i] for i in outward], middle)
         stiffness.append(fma(bending, half, linear))
 
-        outward = sorted(range(n + 1), key=lambda i: max(i + 0.5, n - i))
-        total = sum_of_products([stiffness[i] for i in outward], [z[n - i] for i in outward], p[n])
+        by_newest = sorted(range(n + 1), key=lambda i: max(i + 0.5, n - i))
+        total = sum_of_products([stiffness[i] for i in by_newest], [z[n - i] for i in by_newest], p[n])
         force.append(fma(braking, v[n], total))
         v.append(fma(force[n], yielding, constant) if n == 0 else force[n] * (yielding * (1.0 / (n + 1))))
         z.append(v[n] * (1.0 / (n + 1)))
@@ -93,7 +93,7 @@ def _step(order: int, _rows: Any, *inputs: Any) -> dict[int, list[Any]]:
     *motion, tolerance, remaining, force_weight, velocity_weight, drift = inputs
     z, v, p, force = coefficients(order, *motion)
 
-    exponent = math.log2(_LONGEST)
+    exponent: Any = math.log2(_LONGEST)
     for n in (order - 1, order):
         last = abs(v[n + 1]) * (n + 1.0)
         exponent = ((tolerance / last).log2() * (1.0 / n)).smaller(exponent)

@@ -7,7 +7,7 @@ from numba import njit
 
 __all__ = ["OPTIONS", "compiled"]
 
-OPTIONS = {"nogil": True, "error_model": "numpy"}
+OPTIONS: Any = {"nogil": True, "error_model": "numpy"}
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 

@@ -122,7 +122,7 @@ def fma(x: Any, y: Any, z: Any) -> Any:
     return x.fma(y, z) if isinstance(x, Traced) else x * y + z
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic
 def _fused(_typing: Any, x: Any, y: Any, z: Any) -> Any:
     def codegen(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         return builder.fma(*arguments)
@@ -133,7 +133,8 @@ def _fused(_typing: Any, x: Any, y: Any, z: Any) -> Any:
 @overload(fma)
 def _compiled_fma(x: Any, y: Any, z: Any) -> Any:
     def implementation(x: Any, y: Any, z: Any) -> Any:
-        return _fused(x, y, z)
+        fused: Any = _fused
+        return fused(x, y, z)
 
     return implementation
 
@@ -215,7 +216,7 @@ def unrolled(recurrence: Callable[..., Mapping[int, Sequence[Any]]]) -> Any:
         `order` must be a literal, `inputs` a tuple of floats, `rows` a C-contiguous array of float64.
     """
 
-    @intrinsic  # type: ignore[misc]
+    @intrinsic
     def kernel(_typing: Any, order: Any, inputs: Any, rows: Any) -> Any:
         if not isinstance(order, types.IntegerLiteral) or not isinstance(rows, types.Array) or rows.layout != "C":
             return None
