@@ -11,6 +11,7 @@ __all__ = [
     "LOG_FULL",
     "MAX_STEPS",
     "OUT_OF_STEPS",
+    "STEPS_A_HOLD",
     "ClosedForm",
     "Control",
     "Method",
@@ -25,6 +26,8 @@ FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
 
 # Half a second of work, ten thousand times what the default crawler needs for a hold of 20.
 MAX_STEPS = 1_000_000
+# Steps that a run may take besides for each of its holds.
+STEPS_A_HOLD = 1000
 
 
 class Taylor(NamedTuple):

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..validation import number_within, whole_number
 from .body import BACKWARD, Body, ChainState, FORWARD, Ledger, REST, State, STUCK
 from .chain_simulation import run_chain, stretches_of
-from .control import DIVERGED, FINISHED, MAX_STEPS
+from .control import DIVERGED, FINISHED, MAX_STEPS, STEPS_A_HOLD
 from .cost import fastest_rate
 from .crawler_simulation import run_crawler
 from .groups import Groups
@@ -23,7 +23,6 @@ __all__ = ["HOLDS", "TOLERANCES", "SolverError", "simulate", "solver_error"]
 
 HOLDS = "(0, inf)"
 TOLERANCES = "[1e-15, 1e-2]"
-_STEPS_A_HOLD = 1000
 # The budget is one of work: a chain of many segments may take fewer steps.
 _SEGMENTS_A_STEP = 10
 
@@ -92,7 +91,7 @@ def simulate(
     body, stretches = _start(REST if initial is None else initial, scene)
 
     batch, holds = schedule.shape
-    budget = (MAX_STEPS + _STEPS_A_HOLD * holds) // max(1, scene.segments // _SEGMENTS_A_STEP)
+    budget = (MAX_STEPS + STEPS_A_HOLD * holds) // max(1, scene.segments // _SEGMENTS_A_STEP)
     if max_steps is not None:
         budget = whole_number("max_steps", max_steps, 1)
     samples = np.empty((batch, 5, holds * samples_per_hold))

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from .body import Physics
 from .closed_form import tabulate
-from .control import ClosedForm, Control, MAX_STEPS, Method, Radau, Taylor
-from .cost import predicted_cost
+from .control import ClosedForm, Control, MAX_STEPS, Method, Radau, STEPS_A_HOLD, Taylor
+from .cost import predicted_cost, predicted_steps
 from .groups import Groups
 from .linear import is_linear, require_linear
 from .radau import stages_for
@@ -21,6 +21,8 @@ from .workspace import ROWS, WIDTH
 __all__ = ["AUTO", "SOLVERS", "Solver", "choose", "solvers_for"]
 
 AUTO = "auto"
+# Steps counted over steps predicted, which few exceed.
+_DOUBT = 2.0
 
 
 class Solver(NamedTuple):
@@ -53,7 +55,7 @@ SOLVERS = {
 
 
 def choose(name: str, groups: Groups, scene: Scene, hold: float, tolerance: float) -> Solver:
-    """Solver of that name, or for "auto" the one predicted to be cheapest.
+    """Solver of that name, or for "auto" the one predicted to be cheapest of those that keep to the step budget.
 
     Raises
     ------
@@ -62,12 +64,23 @@ def choose(name: str, groups: Groups, scene: Scene, hold: float, tolerance: floa
     """
     able = solvers_for(groups, scene)
     if name == AUTO:
-        name = min(able, key=lambda each: predicted_cost(each, groups, scene, hold, tolerance))
+        name = able[0] if len(able) == 1 else _cheapest(able, groups, scene, hold, tolerance)
     if name not in able and is_chain(scene):
         raise ValueError(f"solver must be one of {[AUTO, *able]} for a chain of heavy segments, got {name!r}")
     if name == "closed_form":
         require_linear(groups)
     return SOLVERS[name]
+
+
+def _cheapest(able: tuple[str, ...], groups: Groups, scene: Scene, hold: float, tolerance: float) -> str:
+    case = groups, scene, hold, tolerance
+    steps = {name: hold * predicted_steps(name, *case) for name in able}
+    cost = {name: predicted_cost(name, *case) for name in able}
+    cheapest = min(able, key=cost.__getitem__)
+    if steps[cheapest] > STEPS_A_HOLD:
+        # Rather dear than not finished, where another surely finishes.
+        return min(able, key=lambda name: (steps[name] * _DOUBT > STEPS_A_HOLD, cost[name]))
+    return cheapest
 
 
 def solvers_for(groups: Groups, scene: Scene) -> tuple[str, ...]:
