@@ -23,6 +23,8 @@ __all__ = [
 _POLISHINGS = 40
 # Least braking force, above the rounding of a force, that tells a foot coming to rest from one breaking loose.
 _BRAKING = 1e-12
+# A force vanishes within so much of its terms: that is above their rounding, and that of the time at which it does.
+_VANISHING = 1e-12
 
 
 @compiled
@@ -161,11 +163,13 @@ def _polish(
     find itself, by the difference, below the threshold it has just passed.
     """
     margin = 0.0
+    size = 0.0
     for _ in range(_POLISHINGS):
         z = horner(series[Z], order + 1, moment)
         v = horner(series[V], order + 1, moment)
         pull = force(physics, z, v, pressure_after(body, physics, valve, moment))
         margin = physics.static_friction + direction * (pull + physics.foot_fraction * physics.slope)
+        size = 1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v) + physics.static_friction
         slope = horner_derivative(series[SCRATCH], order, moment)
         if slope >= 0.0:
             break
@@ -174,4 +178,4 @@ def _polish(
         if abs(change) <= 2.0 * np.finfo(np.float64).eps * moment:
             break
     # Near a graze the series can cross a threshold that the state does not reach in this step: nothing breaks loose.
-    return np.inf if margin > _BRAKING else moment
+    return np.inf if margin > _VANISHING * size else moment

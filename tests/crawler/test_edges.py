@@ -390,3 +390,38 @@ def test_without_friction_a_foot_free_both_ways_breaks_loose_once(tolerance):
     )
     word = [int(letter) for letter in "1001100101000111111101110111111001011011"]
     assert run(groups, word, 3.0, scene=SYMMETRIC, tolerance=tolerance).slips == 1
+
+
+# Forces whose rounding is larger than any absolute bound
+
+
+def test_a_far_stretched_body_breaks_loose_where_its_rounded_force_says():
+    # The cubic spring pulls with 3e6, whose rounding is 4e-10, and turns through the threshold of 538 at great speed.
+    friction = 538.0031369674285
+    groups = Groups(
+        duffing=0.019015475488087526,
+        damping_ratio=0.053210139905580316,
+        deborah=5.871338440954477,
+        radial_coupling=1.021791429786325,
+        foot_mass_fraction=0.010630829956680592,
+        static_friction=friction,
+        kinetic_friction=friction,
+    )
+    start = State(friction, 0.37108459528124343, 0.0, -0.792461257929815, 0.17885615155793597)
+    _assert_every_tolerance_finds_the_events(
+        groups, [1, 1, 1, 0, 0, 1, 0], 0.07943560337623534, Scene(slope=50607.82075903098), start
+    )
+
+
+def test_heavy_friction_both_ways_is_met_at_every_tolerance():
+    groups = Groups(static_friction=1e5, kinetic_friction=1e5)
+    _assert_every_tolerance_finds_the_events(groups, [1, 0, 1, 0], 2.0, SYMMETRIC, State(-2.1 * 2e5 ** (1 / 3)))
+
+
+def _assert_every_tolerance_finds_the_events(groups, word, hold, scene, start):
+    verdict = decimal_judge(groups, word, hold, scene=scene, initial=start)
+    for tolerance in (1e-3, 1e-6, 1e-9, 1e-12):
+        done = simulate(groups, word, hold, scene=scene, initial=start, solver="taylor", tolerance=tolerance)
+        assert kinds(done) == [motion for _, motion in verdict.events]
+        np.testing.assert_allclose(done.foot[-1], verdict.foot[-1], rtol=1e-7)
+        np.testing.assert_allclose(done.events["time"], [float(time) for time, _ in verdict.events], rtol=1e-7)
