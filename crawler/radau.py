@@ -364,7 +364,7 @@ def _solve(
     for iteration in range(_ITERATIONS):
         stiffness = 0.0
         worst = 0.0
-        size = 1.0
+        size = 1.0 + abs(constant) / yielding
         for i in range(1, stages + 1):
             gained = 0.0
             moved = 0.0

@@ -341,3 +341,20 @@ def test_a_quiet_stiff_body_takes_long_steps(tolerance):
     rate = 1e4 - np.sqrt(1e8 - 0.7)
     expected = np.exp(-rate / 0.7 * 2e5)
     assert done.deformation[0] == pytest.approx(expected, abs=10.0 * tolerance)
+
+
+@pytest.mark.parametrize(
+    ("groups", "slope"),
+    [
+        (Groups(duffing=82.58, damping_ratio=0.0, static_friction=940.0, kinetic_friction=0.0), -3200.0),
+        (Groups(duffing=0.66, foot_mass_fraction=0.22, static_friction=620.0, kinetic_friction=620.0), 0.03),
+    ],
+)
+def test_drag_and_slope_far_above_the_internal_force_leave_the_finest_tolerance_within_reach(groups, slope):
+    start = State(0.0, 0.0, 0.0, 0.0, 0.14)
+    arguments = {"scene": Scene(slope=slope), "initial": start, "tolerance": 1e-15}
+    stiff = simulate(groups, [1, 0, 0], 0.2, solver="radau", **arguments)
+    other = simulate(groups, [1, 0, 0], 0.2, solver="taylor", **arguments)
+    assert stiff.slips == other.slips
+    np.testing.assert_allclose(stiff.foot, other.foot, rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(stiff.deformation, other.deformation, rtol=1e-9, atol=1e-10)
