@@ -93,7 +93,7 @@ def advance_linear(
         moment, motion, looks = _next_event(body, deviating, physics, valve, rates, length, whole, budget)
         spent += looks + 1
         if spent >= control.max_steps:
-            return Outcome(OUT_OF_STEPS, elapsed, spent, logged, body, ledger)
+            return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger)
         last = motion == body.motion
         reached = hold if last else elapsed + moment
         following = body

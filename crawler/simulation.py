@@ -184,7 +184,9 @@ def solver_error(
         return SolverError(f"the motion diverged {where}: {cause}, with {groups}")
     cause, rate = fastest_rate(groups, scene, deformation)
     remedy = "a larger max_steps, a looser tolerance, or less of that"
-    if is_chain(scene):
+    if solver == "closed_form":
+        remedy = "a larger max_steps, or less of that"
+    elif is_chain(scene):
         remedy = f"fewer segments than {scene.segments}, more tube_mass than {scene.tube_mass!r}, {remedy}"
     elif solver == "taylor":
         remedy = f"solver='radau', {remedy}"

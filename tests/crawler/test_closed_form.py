@@ -322,3 +322,10 @@ def test_the_step_budget_is_kept():
 def test_a_body_from_beyond_all_bounds_is_said_to_diverge():
     with pytest.raises(SolverError, match="diverged"):
         simulate(LINEAR, [1], 1.0, initial=State(deformation=1e200))
+
+
+@pytest.mark.parametrize("budget", [1, 5, 50])
+def test_a_refusal_names_the_budget_that_was_given_and_no_tolerance(budget):
+    with pytest.raises(SolverError, match=rf"step budget of {budget} was spent .* take a larger max_steps") as refusal:
+        simulate(Groups(duffing=0.0, radial_coupling=0.0), WORD * 2, 1.0, solver="closed_form", max_steps=budget)
+    assert "looser" not in str(refusal.value)
