@@ -26,7 +26,7 @@ from .chain_energy import account_chain
 from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome
 from .equations import force, pressure_after
 from .events import breaking_loose, change_motion, comes_to_rest, motion_after_rest, started
-from .polynomial import first_descent, horner
+from .polynomial import horner, sharp_descent
 from .taylor import ROUNDING, SHORTENINGS, TRUST
 from .workspace import FORCE, SCRATCH
 
@@ -232,7 +232,7 @@ def _next_event(
     speed = rear[SCRATCH]
     for n in range(order + 1):
         speed[n] = body.motion * series.foot_velocity[n]
-    moment = first_descent(speed, started(speed, physics, order), length)
+    moment = sharp_descent(speed, started(speed, physics, order), length)
     if moment > length:
         _, velocity = foot_at(body, order, length, series)
         if not comes_to_rest(body.motion, physics, horner(rear[FORCE], order, length), velocity):

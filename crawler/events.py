@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ..compilation import compiled
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
 from .equations import foot_velocity_at, force, pressure_after, retardation
-from .polynomial import first_descent, horner, horner_derivative
+from .polynomial import first_descent, horner, horner_derivative, sharp_descent
 from .workspace import FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
 
 __all__ = [
@@ -37,7 +37,7 @@ def next_event(
     if body.motion == STUCK:
         return breaking_loose(body, physics, valve, order, length, series)
     degree = foot_speed(body, physics, order, series)
-    moment = first_descent(series[SCRATCH], degree, length)
+    moment = sharp_descent(series[SCRATCH], degree, length)
     if moment > length:
         velocity = foot_velocity_at(body, physics, horner(series[V], order + 1, length), length)
         if not comes_to_rest(body.motion, physics, horner(series[FORCE], order, length), velocity):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..compilation import compiled
 from ..unrolling import fma
 
-__all__ = ["LARGEST_DEGREE", "first_descent", "horner", "horner_derivative"]
+__all__ = ["LARGEST_DEGREE", "first_descent", "horner", "horner_derivative", "sharp_descent"]
 
 LARGEST_DEGREE = 24
 # Sums of a step's terms are right to a few units in the last place; a dip shallower than that is no descent.
@@ -97,6 +97,23 @@ def first_descent(coefficients: NDArray[np.float64], degree: int, length: float)
     if flattest <= 0.0:
         return _bracketed_root(coefficients, degree, noise, 0.0, length)
     return _isolate(coefficients, degree, length, noise)
+
+
+@compiled
+def sharp_descent(coefficients: NDArray[np.float64], degree: int, length: float) -> float:
+    """First descent, early in the interval as sharply as if the interval ended soon after; arguments as above.
+
+    Rounding is judged by the terms at the interval's end, which may be larger by orders of magnitude than those at an
+    early root.
+    """
+    moment = first_descent(coefficients, degree, length)
+    while 0.0 < moment < 0.5 * length:
+        length = 2.0 * moment
+        nearer = first_descent(coefficients, degree, length)
+        if nearer > length:
+            break
+        moment = nearer
+    return moment
 
 
 @compiled

@@ -425,3 +425,15 @@ def _assert_every_tolerance_finds_the_events(groups, word, hold, scene, start):
         assert kinds(done) == [motion for _, motion in verdict.events]
         np.testing.assert_allclose(done.foot[-1], verdict.foot[-1], rtol=1e-7)
         np.testing.assert_allclose(done.events["time"], [float(time) for time, _ in verdict.events], rtol=1e-7)
+
+
+@pytest.mark.parametrize("solver", ["taylor", "radau", "closed_form"])
+def test_a_foot_with_hardly_any_speed_stops_no_later_than_its_drag_has_it(solver):
+    # Over a whole step drag would take a speed of 1e5, whose rounding is as large as what there is to take.
+    groups = Groups(0.0, 0.0, 5.4, 0.0, 2.8e-6, 253.0, 166.0)
+    start = State(2.6, 0.8, 1.0, 0.0, 2e-11)
+    arguments = {"scene": SYMMETRIC, "initial": start}
+    done = simulate(groups, [1], 0.3, solver=solver, tolerance=1e-15, **arguments)
+    verdict = decimal_judge(groups, [1], 0.3, **arguments)
+    assert_agrees(done, verdict, atol=1e-13)
+    np.testing.assert_allclose(done.events["time"], [float(time) for time, _ in verdict.events], rtol=1e-5)
