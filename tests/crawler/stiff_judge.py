@@ -93,6 +93,8 @@ def stiff_run(
 ) -> StiffRun:
     """The whole run, with samples in full; `bias` is added to the force, `nudge` to the initial z and v."""
     scene, start = scene or Scene(), initial or REST
+    if scene != Scene(anchored=scene.anchored, ratchet=scene.ratchet):
+        raise ValueError(f"the stiff judge knows level ground and one massless segment only, got {scene}")
     with localcontext() as context:
         context.prec = _DIGITS
         groups = SimpleNamespace(**{name: number(value) for name, value in groups.to_dict().items()})

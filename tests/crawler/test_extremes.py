@@ -282,3 +282,8 @@ def test_slips_are_those_of_the_judge_over_random_groups(groups, valve, hold, ra
     if exact.clearance > UNDECIDED and not is_free(groups, scene):
         assert done.slips == exact.slips
     np.testing.assert_allclose(done.foot, exact.foot, rtol=0, atol=1e-6)
+
+
+def test_the_stiff_judge_refuses_what_it_does_not_know():
+    with pytest.raises(ValueError, match="level ground"):
+        stiff_judge(Groups(), [1], 1.0, scene=Scene(slope=0.1))
