@@ -135,6 +135,7 @@ def advance(
             if moment - elapsed < longest:
                 sampled = state_at(body, physics, pressure, control.order, min(moment - elapsed, length), workspace)
             record(sampled, samples, done)
+            samples[2, done] = pressure  # of that very moment, not of a step's end within rounding of it
             done += 1
 
         following = end

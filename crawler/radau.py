@@ -191,7 +191,7 @@ def radau_step(
     # No cheap bound of the event function is known: it is looked at whole.
     series[STEP, LOWEST] = -np.inf
     series[STEP, HIGHEST] = np.inf
-    pressure = pressure_after(body, physics, valve, length)
+    pressure = pressure_after(opening, physics, valve, elapsed + length)
     return length, state_at(body, physics, pressure, control.order, length, series), pace
 
 

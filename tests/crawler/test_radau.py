@@ -351,3 +351,10 @@ def test_drag_far_above_the_internal_force_leaves_the_finest_tolerance_within_re
     assert stiff.slips == other.slips
     for name in ("foot", "deformation", "velocity"):
         np.testing.assert_allclose(getattr(stiff, name), getattr(other, name), rtol=0, atol=1e-11)
+
+
+def test_the_pressure_does_not_gather_rounding_over_many_steps():
+    # Found by search: hundreds of steps, each of a part of the fluid's time constant.
+    groups = Groups(0.0, 1.0, 1e5, 2.0, 0.1, 0.0, 0.0)
+    done = simulate(groups, [1], 1e4, scene=Scene(ratchet=False), solver="radau", samples_per_hold=2)
+    np.testing.assert_allclose(done.pressure, -np.expm1(-np.array([0.05, 0.1])), rtol=1e-14)
