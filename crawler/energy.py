@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import merged
 from .body import Body, Ledger, Physics
 from .recurrence import write_energies
 from .workspace import STEP, VISCOUS, WORK
@@ -11,7 +11,7 @@ from .workspace import STEP, VISCOUS, WORK
 __all__ = ["account"]
 
 
-@compiled
+@merged
 def account(
     ledger: Ledger,
     before: Body,

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import compiled, merged
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
 from .equations import foot_velocity_at, force, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative, sharp_descent
@@ -27,7 +27,7 @@ _BRAKING = 1e-12
 _VANISHING = 1e-12
 
 
-@compiled
+@merged
 def next_event(
     body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
 ) -> tuple[float, int]:
@@ -56,7 +56,7 @@ def _quiet(body: Body, physics: Physics, series: NDArray[np.float64]) -> bool:
     return forward and (physics.ratchet or physics.static_friction - pull - series[STEP, HIGHEST] > 0.0)
 
 
-@compiled
+@merged
 def breaking_loose(
     body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
 ) -> tuple[float, int]:

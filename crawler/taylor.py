@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import compiled, merged
 from .body import Body, Physics, STUCK
 from .control import AFRESH, Control, Pace
 from .equations import acceleration_at_no_force, force, inverse_mass, moved, pressure_after, retardation
@@ -48,7 +48,7 @@ def order_for(tolerance: float) -> int:
     return next((order for order in ORDERS if order >= wanted), ORDERS[-1])
 
 
-@compiled
+@merged
 def expand(
     body: Body,
     physics: Physics,
