@@ -24,7 +24,7 @@ from .chain import (
 )
 from .chain_energy import account_chain
 from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome
-from .equations import force, pressure_after
+from .equations import force, force_terms, pressure_after
 from .events import breaking_loose, change_motion, comes_to_rest, motion_after_rest, started
 from .polynomial import horner, sharp_descent
 from .taylor import ROUNDING, SHORTENINGS, TRUST
@@ -191,7 +191,7 @@ def _trusted_length(
 ) -> float:
     """The part of a step at whose end every segment's series still satisfies the equation of motion.
 
-    As in `advance`: the defect is the force at the state less the force's own series.
+    As in `taylor_step`: the defect is the force at the state less the force's own series.
     """
     physics = chain.physics
     order = control.order
@@ -204,7 +204,7 @@ def _trusted_length(
             z = series.ahead[0, j]
             v = series.ahead[1, j]
             defect = abs(force(physics, z, v, pressure) - series.pulls[j])
-            rounding = ROUNDING * (1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v))
+            rounding = ROUNDING * force_terms(physics, z, v)
             yielding = segment_mobility(chain, body.motion, j)
             if yielding * (defect - rounding) > TRUST * control.tolerance:
                 worst = max(worst, yielding * defect)

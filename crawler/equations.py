@@ -9,6 +9,7 @@ __all__ = [
     "acceleration_at_no_force",
     "foot_velocity_at",
     "force",
+    "force_terms",
     "inverse_mass",
     "moved",
     "pressure_after",
@@ -23,6 +24,12 @@ _FAINTEST = 1e-250
 def force(physics: Physics, z: float, v: float, p: float) -> float:
     """F = p (1 + Pi5 z) - z - Pi1 z^3 - 2 Pi2 v."""
     return p * (1.0 + physics.radial_coupling * z) - z * (1.0 + physics.duffing * z * z) - physics.damping * v
+
+
+@compiled
+def force_terms(physics: Physics, z: float, v: float) -> float:
+    """Size of the terms that a force is made of, to which its rounding is relative."""
+    return 1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v)
 
 
 @compiled

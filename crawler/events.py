@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled, merged
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
-from .equations import foot_velocity_at, force, pressure_after, retardation
+from .equations import foot_velocity_at, force, force_terms, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative, sharp_descent
 from .workspace import FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
 
@@ -169,7 +169,7 @@ def _polish(
         v = horner(series[V], order + 1, moment)
         pull = force(physics, z, v, pressure_after(body, physics, valve, moment))
         margin = physics.static_friction + direction * (pull + physics.foot_fraction * physics.slope)
-        size = 1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v) + physics.static_friction
+        size = force_terms(physics, z, v) + physics.static_friction
         slope = horner_derivative(series[SCRATCH], order, moment)
         if slope >= 0.0:
             break

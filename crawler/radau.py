@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from ..compilation import compiled
 from .body import Body, Physics, STUCK
 from .control import AFRESH, Control, Pace
-from .equations import acceleration_at_no_force, force, inverse_mass, pressure_after
+from .equations import acceleration_at_no_force, force, force_terms, inverse_mass, pressure_after
 from .polynomial import horner
 from .radau_table import CHECKS, STAGES, TABLES
-from .taylor import expand, state_at
+from .taylor import expand, ROUNDING, state_at
 from .workspace import (
     CORRECTION,
     FORCE,
@@ -46,9 +46,6 @@ _EIGENVALUES, _LEFT, _RIGHT = TABLES.eigenvalues, TABLES.left, TABLES.right
 _BACKWARD, _CHECKS, _BETWEEN = TABLES.backward, TABLES.checks, TABLES.between
 _DENSE, _MONIC, _CHECK_PRODUCT = TABLES.dense, TABLES.monic, TABLES.check_product
 
-_EPSILON = float(np.finfo(np.float64).eps)
-# Rounding of a force relative to its terms, below which no defect is to be seen.
-_ROUNDING = 8.0 * _EPSILON
 # Tolerances down to which each method is the cheapest.
 _FINEST = (3e-5, 2e-8, 2e-11, 0.0)
 _ITERATIONS = 12
@@ -278,7 +275,7 @@ def _taylor_length(
         z = horner(series[Z], stages + 1, length)
         v = horner(series[V], stages + 1, length)
         defect = abs(force(physics, z, v, pressure_after(body, physics, valve, length)) - horner(pull, stages, length))
-        rounding = _ROUNDING * (1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v))
+        rounding = ROUNDING * force_terms(physics, z, v)
         if lost <= _SETTLED * moved and yielding * (defect - rounding) <= tolerance:
             break
         length *= 0.5
@@ -374,15 +371,14 @@ def _solve(
             v[i] = v[0] + length * gained
             z[i] = z[0] + length * (_NODES[method, i] * v[0] + length * moved)
             pull[i] = force(physics, z[i], v[i], p[i])
-            square = physics.duffing * z[i] * z[i]
-            stiffness += 1.0 + 3.0 * square - physics.radial_coupling * p[i]
-            size = max(size, 1.0 + abs(z[i]) * (1.0 + square) + physics.damping * abs(v[i]))
+            stiffness += 1.0 + 3.0 * physics.duffing * z[i] * z[i] - physics.radial_coupling * p[i]
+            size = max(size, force_terms(physics, z[i], v[i]))
             left_over[i - 1] = yielding * pull[i] + constant - a[i]
             worst = max(worst, abs(left_over[i - 1]))
         if not abs(stiffness) < np.inf:
             return 0.0
         stiffness *= length * length * yielding / stages
-        finest = _ROUNDING * (yielding * size + abs(constant))
+        finest = ROUNDING * (yielding * size + abs(constant))
         weight = max(1.0 / yielding, length / (1.0 + damping + abs(stiffness)))
         if worst <= finest or worst * weight <= _REMAINDER * tolerance:
             return size
@@ -434,7 +430,7 @@ def _error(
     is seen between the nodes.
     """
     z, v, a, pull = series[STAGE_Z], series[STAGE_V], series[STAGE_A], series[STAGE_F]
-    rounding = _ROUNDING * size
+    rounding = ROUNDING * size
     yielding = inverse_mass(physics, body.motion)
     rate_gap = -v[0]
     gap = -a[0]
@@ -450,7 +446,7 @@ def _error(
     stiffness = length * yielding * (physics.damping + length * (1.0 + 3.0 * square))
     # What a step errs by is handed on, to the steps of a unit of time or to those before the damping has forgotten it.
     memory = _DENSE[method] * max(length, 1.0 / (1.0 + yielding * physics.damping))
-    error = _DENSE[method] * max(length, 1.0) * max(0.0, abs(rate_gap) - spread * _ROUNDING * abs(v[0]))
+    error = _DENSE[method] * max(length, 1.0) * max(0.0, abs(rate_gap) - spread * ROUNDING * abs(v[0]))
     error = max(error, memory * yielding * force_gap / (1.0 + stiffness))
     error = max(error, force_gap * stiffness / (1.0 + stiffness))
     for k in range(CHECKS):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..compilation import compiled, merged
 from .body import Body, Physics, STUCK
 from .control import AFRESH, Control, Pace
-from .equations import acceleration_at_no_force, force, inverse_mass, moved, pressure_after, retardation
+from .equations import acceleration_at_no_force, force, force_terms, inverse_mass, moved, pressure_after, retardation
 from .polynomial import horner
 from .recurrence import write_step
 from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, Z
@@ -152,7 +152,7 @@ def taylor_step(
     expected = series[STEP, END_FORCE]
     pressure = pressure_after(opening, physics, valve, elapsed + length)
     for _ in range(SHORTENINGS):
-        rounding = ROUNDING * (1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v))
+        rounding = ROUNDING * force_terms(physics, z, v)
         defect = abs(force(physics, z, v, pressure) - expected)
         if yielding * (defect - rounding) <= TRUST * control.tolerance:
             break
