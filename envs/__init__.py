@@ -1,5 +1,6 @@
 """Gymnasium environments of the crawler."""
 
 from .crawler import StickSlipCrawlerEnv
+from .vector import StickSlipCrawlerVectorEnv
 
-__all__ = ["StickSlipCrawlerEnv"]
+__all__ = ["StickSlipCrawlerEnv", "StickSlipCrawlerVectorEnv"]

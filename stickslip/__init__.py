@@ -25,6 +25,7 @@ __all__ = ["Actuator", "Groups", "Scene", "Trajectory", "__version__", "memory_c
 register(
     id="StickSlipCrawler-v0",
     entry_point="stickslip.envs:StickSlipCrawlerEnv",
+    vector_entry_point="stickslip.envs:StickSlipCrawlerVectorEnv",
     max_episode_steps=1000,
 )
 
