@@ -11,6 +11,7 @@ from gymnasium.utils import seeding
 from numpy.typing import NDArray
 
 from ..crawler import Groups, Scene
+from ..crawler.body import Body, STUCK
 from ..crawler.control import MAX_STEPS
 from ..crawler.simulation import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
@@ -19,6 +20,7 @@ from ..lanes import aligned_zeros, LANES
 from ..reservoir.prequential_lanes import forget, Readouts, readouts_of
 from .batch import batch_of, Reward, STEP_BATCH
 from .calibration import calibrated_memory
+from .rendering import Frame
 from .settings import FLIPS, Settings
 from .stepping import Stepper, stepper_for
 
@@ -133,9 +135,26 @@ class Fleet:
         self._step_slice(commands, idle, *slices[0])
         for other in others:
             other.result()
-        failed = np.flatnonzero(self.results.statuses)
-        if failed.size > 0:
-            raise self._error(int(failed[0]))
+        if np.count_nonzero(self.results.statuses):
+            raise self._error(int(np.flatnonzero(self.results.statuses)[0]))
+
+    def frame(self, i: int) -> Frame:
+        """What a picture of crawler `i` shows."""
+        steps, told = int(self.batch.steps[i]), self.results
+        if steps == 0:
+            return Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
+        body = Body(*self.batch.bodies[:, i].tolist())
+        return Frame(
+            steps * self._settings.hold,
+            body.deformation,
+            body.pressure,
+            body.foot,
+            int(body.motion),
+            body.foot != self.batch.starts[i],
+            int(told.valve[i]),
+            float(told.speed[i]),
+            None if self._readouts is None else float(told.memory[i]),
+        )
 
     def close(self) -> None:
         """End the threads."""
@@ -173,7 +192,8 @@ class Fleet:
     def _draw_flips(self, idle: NDArray[np.bool_]) -> None:
         """Draw the flips of those who have used theirs up, at the step at which a single environment does."""
         if self._settings.dither > 0.0:
-            for i in np.flatnonzero((self.batch.drawn == FLIPS) & ~idle).tolist():
+            empty = self.batch.drawn == FLIPS
+            for i in np.flatnonzero(empty & ~idle).tolist() if np.count_nonzero(empty) else ():
                 self.batch.flips[i] = self.generators[i].random(FLIPS) < self._settings.dither
                 self.batch.drawn[i] = 0
 

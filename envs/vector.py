@@ -4,6 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
+import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from gymnasium.error import ClosedEnvironmentError, ResetNeeded
@@ -16,6 +17,7 @@ from ..validation import whole_number
 from .crawler import StickSlipCrawlerEnv
 from .fleet import Fleet
 from .settings import Settings
+from .tiling import Tiles
 
 __all__ = ["StickSlipCrawlerVectorEnv"]
 
@@ -101,7 +103,12 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         if not isinstance(copy, bool):
             raise TypeError(f"copy must be True or False, got {copy!r}")
         self._copy = copy
+        if render_mode not in (None, "human", "rgb_array"):
+            raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
         self.render_mode = render_mode
+        shown = range(self.num_envs) if rendered is None else rendered
+        self._rendered = [whole_number("rendered", i, 0, self.num_envs - 1) for i in shown]
+        self._tiles: Tiles | None = None
         self.metadata = {**StickSlipCrawlerEnv.metadata, "autoreset_mode": self._autoreset}
 
         self.single_action_space = spaces.Discrete(2)
@@ -153,6 +160,8 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         self._fleet.begin(mask, seeds, anew=not self._running)
         self._running = True
         self._pending = self._pending & ~mask
+        if self.render_mode == "human":
+            self.render()
         return self._own(self._fleet.results.observations), self._told_of_reset(mask)
 
     def step(
@@ -215,13 +224,44 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
                 infos |= self._told_of_reset(idle)
             if self._autoreset is not AutoresetMode.SAME_STEP:
                 self._pending = ended
+        if self.render_mode == "human":
+            self.render()
         arrays = results.observations, results.rewards, self._terminations, results.truncations
         observations, rewards, terminations, truncations = (self._own(array) for array in arrays)
         return observations, rewards, terminations, truncations, infos
 
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Draw the `rendered` crawlers as they are now.
+
+        Returns
+        -------
+        tuple of (height, width, 3) arrays of uint8, or None
+            A picture of each; `stickslip.envs.tile` makes one of them. None for `render_mode="human"`, which shows that
+            one in a window.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            If called before `reset`.
+        """
+        if self.render_mode is None:
+            gym.logger.warn(
+                "render was called without a render_mode; "
+                'make the environment with gym.make_vec("StickSlipCrawler-v0", n, render_mode="rgb_array")'
+            )
+            return None
+        if not self._running:
+            raise ResetNeeded("render needs a call of reset first")
+        if self._tiles is None:
+            self._tiles = Tiles(self.render_mode, self.metadata["render_fps"], self._rendered)
+        return self._tiles.draw([self._fleet.frame(i) for i in self._rendered])
+
     def close_extras(self, **_: Any) -> None:
-        """End the threads."""
+        """End the threads, and close the window if there is one."""
         self._fleet.close()
+        if self._tiles is not None:
+            self._tiles.close()
+            self._tiles = None
 
     @property
     def np_random(self) -> tuple[np.random.Generator | None, ...]:  # type: ignore[override]
@@ -232,6 +272,10 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
     def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
         """Seed of each sub-environment's generator; None before the first reset."""
         return tuple(self._fleet.seeds)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A window cannot be copied; the copy opens its own.
+        return {**self.__dict__, "_tiles": None}
 
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.copy() if self._copy else array
