@@ -11,7 +11,7 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from ..compilation import compiled, OPTIONS
+from ..compilation import compiled, formula, merged, OPTIONS
 from .body import Body, Ledger, Physics
 from .control import (
     AFRESH,
@@ -32,7 +32,7 @@ from .events import change_motion, next_event
 from .radau import radau_again, radau_step
 from .taylor import state_at, taylor_step
 
-__all__ = ["FARTHEST", "advance", "record"]
+__all__ = ["FARTHEST", "advance", "is_near", "moment_of", "record", "sampled_step"]
 
 # No bounded body stretches so far; beyond, a float32 observation and the squares of the motion would soon overflow.
 FARTHEST = 1e12
@@ -107,7 +107,6 @@ def advance(
     -------
     Outcome
     """
-    count = samples.shape[1]
     done = 0
     logged = 0
     elapsed = 0.0
@@ -123,26 +122,23 @@ def advance(
             if pace.length > 0.0:
                 continue
 
-        # The last step ends on the hold itself, so that no sample is lost to the rounding of a sum.
-        last = motion == body.motion and length >= hold - elapsed
-        reached = hold if last else elapsed + length
-        while done < count:
-            moment = hold * ((done + 1) / count)
-            if moment > reached:
-                break
-            pressure = pressure_after(opening, physics, valve, moment)
-            sampled = end
-            if moment - elapsed < longest:
-                sampled = state_at(body, physics, pressure, control.order, min(moment - elapsed, length), workspace)
-            record(sampled, samples, done)
-            samples[2, done] = pressure  # of that very moment, not of a step's end within rounding of it
-            done += 1
-
-        following = end
-        if length < longest:
-            pressure = pressure_after(opening, physics, valve, reached)
-            following = state_at(body, physics, pressure, control.order, length, workspace)
-        if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
+        following, reached, done, last = sampled_step(
+            opening,
+            body,
+            physics,
+            valve,
+            hold,
+            elapsed,
+            control.order,
+            longest,
+            end,
+            length,
+            motion,
+            done,
+            samples,
+            workspace,
+        )
+        if not is_near(following):
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
         if control.energy:
             ledger = account(ledger, body, following, physics, control.order, length, workspace)
@@ -159,6 +155,66 @@ def advance(
         if last:
             return Outcome(FINISHED, hold, steps, logged, body, ledger)
     return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger)
+
+
+@merged
+def sampled_step(
+    opening: Body,
+    body: Body,
+    physics: Physics,
+    valve: float,
+    hold: float,
+    elapsed: float,
+    order: int,
+    longest: float,
+    end: Body,
+    length: float,
+    motion: int,
+    done: int,
+    samples: NDArray[np.float64],
+    series: NDArray[np.float64],
+) -> tuple[Body, float, int, bool]:
+    """Take the samples of a step that ends after `length`, at most `longest`, where the state is `end`.
+
+    Returns
+    -------
+    following : Body
+        At the step's end, before the motion changes.
+    reached : float
+        Time into the hold.
+    done : int
+        Samples taken so far in the hold.
+    last : bool
+        Whether the hold is over.
+    """
+    # The last step ends on the hold itself, so that no sample is lost to the rounding of a sum.
+    last = motion == body.motion and length >= hold - elapsed
+    reached = hold if last else elapsed + length
+    count = samples.shape[1]
+    while done < count:
+        moment = moment_of(done, count, hold)
+        if moment > reached:
+            break
+        # The pressure is that of this very moment, not of a step's end within rounding of it.
+        pressure = pressure_after(opening, physics, valve, moment)
+        record(state_at(body, physics, pressure, order, min(moment - elapsed, length), series), samples, done)
+        done += 1
+    if length < longest:
+        pressure = pressure_after(opening, physics, valve, reached)
+        return state_at(body, physics, pressure, order, length, series), reached, done, last
+    return end, reached, done, last
+
+
+@formula
+def moment_of(done: float, count: float, hold: float) -> float:
+    """Time into the hold of the sample after `done` of `count`."""
+    return hold * ((done + 1.0) / count)
+
+
+@formula
+def is_near(body: Body) -> bool:
+    """Whether the body is finite, and where a body can be."""
+    return abs(body.deformation) + abs(body.velocity) + abs(body.foot_velocity) < FARTHEST
 
 
 @compiled
