@@ -89,8 +89,9 @@ def advance_lanes(
         Neither energies nor events are kept. Its step budget is each crawler's own.
     samples : (3, V, n) array
         Receives z, v, p at the times hold (j + 1) / V.
-    workspace : (LANE_ROWS, COLUMNS, LANES) array
-        From `lane_workspace`; one a thread.
+    workspace : array of three axes
+        For Taylor series that of `lane_workspace`, one a thread; for the other methods the solver's own, one for each
+        crawler or one for all.
     statuses : (n,) array of int8
         Receives FINISHED, DIVERGED or OUT_OF_STEPS.
     elapsed : (n,) array
@@ -149,7 +150,7 @@ def _one_by_one(
             0.0,
             own,
             unlogged,
-            workspace,
+            workspace[i if len(workspace) > 1 else 0],
         )
         write_body(outcome.body, bodies, i)
         for j in range(count):

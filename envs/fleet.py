@@ -4,7 +4,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from gymnasium.utils import seeding
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..crawler import Groups, Scene
 from ..crawler.body import Body, STUCK
 from ..crawler.control import MAX_STEPS
+from ..crawler.lanes import lane_workspace
 from ..crawler.simulation import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
 from ..crawler.workspace import ROWS, WIDTH
@@ -29,6 +30,15 @@ __all__ = ["Fleet"]
 # Fewer crawlers than this are stepped before another thread has woken.
 _LEAST_A_THREAD = 128
 _SLOPE = len(Groups.__slots__)
+
+
+class _Slice(NamedTuple):
+    """What one thread steps, and what it works on."""
+
+    begin: int
+    end: int
+    workspaces: dict[str, NDArray[np.float64]]  # by solver
+    scratch: NDArray[np.float64]
 
 
 class Fleet:
@@ -75,7 +85,16 @@ class Fleet:
 
         blocks = self.batch.bodies.shape[1] // LANES
         parts = max(1, min(threads, count // _LEAST_A_THREAD))
-        self._bounds = [min(count, LANES * (blocks * part // parts)) for part in range(parts + 1)]
+        ends = [min(count, LANES * (blocks * part // parts)) for part in range(parts + 1)]
+        self._slices = [
+            _Slice(
+                begin,
+                end,
+                {"taylor": lane_workspace(), "radau": np.empty((1, ROWS, WIDTH))},
+                aligned_zeros(2, settings.features + 1, LANES),
+            )
+            for begin, end in pairwise(ends)
+        ]
         self._executor: ThreadPoolExecutor | None = None
         self._process = os.getpid()
 
@@ -130,9 +149,9 @@ class Fleet:
             If a motion diverges.
         """
         self._draw_flips(idle)
-        slices = list(pairwise(self._bounds))
-        others = [self._threads().submit(self._step_slice, commands, idle, *ends) for ends in slices[1:]]
-        self._step_slice(commands, idle, *slices[0])
+        first, *rest = self._slices
+        others = [self._threads().submit(self._step_slice, commands, idle, each) for each in rest]
+        self._step_slice(commands, idle, first)
         for other in others:
             other.result()
         if np.count_nonzero(self.results.statuses):
@@ -184,9 +203,10 @@ class Fleet:
                 if self._tables is None:
                     self._tables = np.zeros((places, *stepper.workspace.shape))
                 self._tables[i % places] = stepper.workspace
+        names = sorted(set(self._solvers.tolist()))
         self._methods = [
-            (name, ~(self._solvers == name), SOLVERS[name].control(settings.tolerance))
-            for name in sorted(set(self._solvers.tolist()))
+            (name, None if len(names) == 1 else self._solvers != name, SOLVERS[name].control(settings.tolerance))
+            for name in names
         ]
 
     def _draw_flips(self, idle: NDArray[np.bool_]) -> None:
@@ -199,32 +219,28 @@ class Fleet:
 
     def _threads(self) -> ThreadPoolExecutor:
         if self._executor is None or self._process != os.getpid():  # a forked process has none of its parent's threads
-            self._executor = ThreadPoolExecutor(len(self._bounds) - 2, "stickslip")
+            self._executor = ThreadPoolExecutor(len(self._slices) - 1, "stickslip")
             self._process = os.getpid()
         return self._executor
 
-    def _step_slice(self, commands: NDArray[np.int64], idle: NDArray[np.bool_], begin: int, end: int) -> None:
-        scratch = aligned_zeros(2, self._settings.features + 1, LANES)
+    def _step_slice(self, commands: NDArray[np.int64], idle: NDArray[np.bool_], part: _Slice) -> None:
         for k, (name, others, control) in enumerate(self._methods):
-            tables = self._tables
-            if tables is None or name != "closed_form":
-                tables = np.empty((1, ROWS, WIDTH))
             STEP_BATCH[name](
-                begin,
-                end,
+                part.begin,
+                part.end,
                 k == 0,
                 k == len(self._methods) - 1,
                 commands,
                 idle,
-                idle | others,
+                idle if others is None else idle | others,
                 self.batch,
                 self._readouts,
                 self._reward,
                 control.tolerance,
                 control.order,
                 control.max_steps,
-                tables,
-                scratch,
+                self._tables if name == "closed_form" else part.workspaces[name],
+                part.scratch,
                 self.results,
             )
 

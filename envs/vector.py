@@ -200,7 +200,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         if not self._running:
             raise ResetNeeded("step needs a call of reset first")
         idle = self._pending
-        restarting = bool(idle.any())
+        restarting = np.count_nonzero(idle) > 0
         if restarting and self._autoreset is AutoresetMode.DISABLED:
             over = np.flatnonzero(idle).tolist()
             raise ResetNeeded(f"the episodes of sub-environments {over} are over; reset them with a reset_mask")
@@ -211,7 +211,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         results = self._fleet.results
         ended = results.truncations.copy()
         of_step = {name: getattr(results, name) for name in _INFOS}
-        if self._autoreset is AutoresetMode.SAME_STEP and ended.any():
+        if self._autoreset is AutoresetMode.SAME_STEP and np.count_nonzero(ended) > 0:
             infos = self._told(of_step, ~ended)
             infos |= {"final_obs": _rows(results.observations, ended), "_final_obs": ended.copy()}
             infos |= self._told({"final_info": of_step}, ended)
@@ -283,14 +283,14 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
     def _told(self, values: Mapping[str, Any], mask: NDArray[np.bool_]) -> dict[str, Any]:
         """Infos in Gymnasium's form: zero, and not in the mask beside them, for those who do not have them."""
         infos: dict[str, Any] = {}
-        if not mask.any():
+        having = np.count_nonzero(mask)
+        if having == 0:
             return infos
-        everyone = bool(mask.all())
         for name, value in values.items():
             if isinstance(value, Mapping):
                 infos[name] = self._told(value, mask)
             else:
-                infos[name] = self._own(value) if everyone else np.where(mask, value, np.zeros((), value.dtype))
+                infos[name] = self._own(value) if having == len(mask) else np.where(mask, value, np.zeros((), value.dtype))
             infos[f"_{name}"] = mask.copy()
         return infos
 
@@ -308,9 +308,9 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
             raise ValueError(f"actions must have shape ({self.num_envs},), got {commands.shape}")
         if commands.dtype.kind not in "biu":
             raise TypeError(f"actions must be whole numbers, got an array of {commands.dtype}")
-        wrong = (commands != 0) & (commands != 1)
-        if wrong.any():
-            i = int(np.argmax(wrong))
+        allowed = (commands == 0) | (commands == 1)
+        if np.count_nonzero(allowed) < self.num_envs:
+            i = int(np.argmin(allowed))
             raise ValueError(f"actions must be 0 or 1, got {commands[i]} for sub-environment {i}")
         return commands.astype(np.int64)
 
