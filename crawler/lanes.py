@@ -12,9 +12,10 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from ..compilation import compiled, merged, OPTIONS
+from ..lanes import LANES as BLOCK
 from .advance import is_near, sampled_step
 from .body import Body, Ledger, Physics
-from .control import Control, DIVERGED, FINISHED, method_of, OUT_OF_STEPS, Taylor
+from .control import ClosedForm, Control, DIVERGED, FINISHED, method_of, OUT_OF_STEPS, Radau, Taylor
 from .driving import advance_by_method
 from .events import change_motion, next_event
 from .lane_steps import (
@@ -25,17 +26,16 @@ from .lane_steps import (
     HOLD,
     LANE_ROWS,
     LANES,
-    MOTION,
     OPENING,
     PHYSICS,
     SAMPLE,
     sample_lanes,
     SAMPLING,
-    SLIPS,
     STATE,
     step_lanes,
     VALVE,
 )
+from .linear_lanes import advance_anchored_lanes
 from .taylor import trusted
 from .workspace import FORCE, ROWS, STEP, V, WIDTH, Z
 
@@ -115,8 +115,51 @@ def _compiled_lanes(
     statuses: NDArray[np.int8],
     elapsed: NDArray[np.float64],
 ) -> Any:
-    kernel: Any = _in_lanes if method_of(control) is Taylor else _one_by_one
-    return kernel.py_func
+    kernels: dict[type, Any] = {Taylor: _in_lanes, Radau: _one_by_one, ClosedForm: _in_closed_form}
+    return kernels[method_of(control)].py_func
+
+
+@compiled
+def _in_closed_form(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int8],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    alike = len(workspace) == 1
+    physics = physics_of(coefficients, begin)
+    opened = np.empty(BLOCK)
+    first = begin
+    while first < end:
+        last = min(first + BLOCK, end)
+        if alike and physics.anchored and last == first + BLOCK and not skip[first:last].any():
+            for lane in range(BLOCK):
+                opened[lane] = valves[first + lane]
+            advance_anchored_lanes(first, physics, bodies, opened, hold, samples, workspace[0], statuses, elapsed)
+        else:
+            _one_by_one(
+                bodies,
+                coefficients,
+                valves,
+                skip,
+                first,
+                last,
+                hold,
+                control,
+                samples,
+                workspace,
+                statuses,
+                elapsed,
+            )
+        first = last
 
 
 @compiled

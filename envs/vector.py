@@ -290,7 +290,9 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
             if isinstance(value, Mapping):
                 infos[name] = self._told(value, mask)
             else:
-                infos[name] = self._own(value) if having == len(mask) else np.where(mask, value, np.zeros((), value.dtype))
+                infos[name] = (
+                    self._own(value) if having == len(mask) else np.where(mask, value, np.zeros((), value.dtype))
+                )
             infos[f"_{name}"] = mask.copy()
         return infos
 

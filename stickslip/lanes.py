@@ -13,10 +13,11 @@ from numba import types
 from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
 from numpy.typing import NDArray
 
-__all__ = ["LANES", "aligned_zeros", "clipped", "load", "spread", "store"]
+__all__ = ["LANES", "aligned_zeros", "clipped", "faded", "load", "spread", "store"]
 
 LANES = 8
-_VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+_NUMBER = ir.DoubleType()
+_VECTOR = ir.VectorType(_NUMBER, LANES)
 _BYTES = 8 * LANES
 
 
@@ -68,6 +69,13 @@ def _place(context: Any, builder: Any, kind: Any, array: Any, offset: Any) -> An
     return builder.bitcast(builder.gep(data, [offset]), _VECTOR.as_pointer())
 
 
+def _repeated(builder: Any, number: Any) -> Any:
+    index = ir.IntType(32)
+    first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), number, ir.Constant(index, 0))
+    order = ir.Constant(ir.VectorType(index, LANES), [0] * LANES)
+    return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), order)
+
+
 @intrinsic
 def load(_typing: Any, array: Any, offset: Any) -> Any:
     """Eight neighbours of a C-contiguous array of float64, from an offset counted in elements over all axes."""
@@ -101,10 +109,7 @@ def spread(_typing: Any, number: Any) -> Any:
     """One number in every lane."""
 
     def codegen(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        index = ir.IntType(32)
-        first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), arguments[0], ir.Constant(index, 0))
-        order = ir.Constant(ir.VectorType(index, LANES), [0] * LANES)
-        return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), order)
+        return _repeated(builder, arguments[0])
 
     return lanes(types.float64), codegen
 
@@ -121,3 +126,18 @@ def clipped(_typing: Any, vector: Any) -> Any:
         return vector
 
     return lanes(lanes), codegen
+
+
+@intrinsic
+def faded(_typing: Any, vector: Any, faintest: Any) -> Any:
+    """Each number, or zero where its size does not exceed `faintest`."""
+
+    def codegen(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        vector, faintest = arguments
+        kept = builder.or_(
+            builder.fcmp_ordered(">", vector, _repeated(builder, faintest)),
+            builder.fcmp_ordered("<", vector, _repeated(builder, builder.fsub(ir.Constant(_NUMBER, -0.0), faintest))),
+        )
+        return builder.select(kept, vector, ir.Constant(_VECTOR, [0.0] * LANES))
+
+    return lanes(lanes, types.float64), codegen
