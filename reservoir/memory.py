@@ -3,13 +3,19 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import chdtri
 
-from ..validation import finite_array, number_within, whole_number
-from .metrics import squared_correlation
-from .ridge import predict_held_out, samples_needed
+from ..validation import finite_array, known_names, number_within, whole_number
+from .bootstrap import Estimate, mean_over_runs, percentiles, resampled_squared_correlations, usual_block
+from .metrics import squared_correlation_of_rows
+from .orthonormal import Array, column_norms, rank_of, surely_full_rank
+from .ridge import leave_one_out, predict_rest, samples_needed, training_samples
+
+Scoring = Literal["held out", "leave one out"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,12 +33,19 @@ class MemoryCapacity:
     bound : int
         Rank of the centred states. Summed over all delays no linear readout of them can remember more, but for
         what chance adds in a finite sample.
+    profile_interval : ndarray of shape (2, delays), or None
+        Ends of the interval of confidence of each capacity, if resamples were asked for.
+    total_interval, corrected_interval : tuple of two floats, or None
+        Of `total`, and of `corrected` with the delays above the cutoff as they are.
     """
 
     delays: NDArray[np.int64]
     profile: NDArray[np.float64]
     cutoff: float
     bound: int
+    profile_interval: Array | None = None
+    total_interval: tuple[float, float] | None = None
+    corrected_interval: tuple[float, float] | None = None
 
     @property
     def total(self) -> float:
@@ -51,23 +64,36 @@ def memory_capacity(
     delays: int | Sequence[int],
     *,
     washout: int = 200,
+    scoring: Scoring = "held out",
     holdout: float = 0.5,
     ridge: float = 1e-6,
     fit_intercept: bool = True,
     significance: float = 1e-4,
+    resamples: int = 0,
+    confidence: float = 0.95,
+    seed: int = 0,
 ) -> MemoryCapacity:
     """Measure how well a linear readout of the state recovers past values of a message.
 
     MC_d is the squared correlation of ``message[k - d]`` with its prediction from ``states[k]``, over samples
     the readout was not fitted on; one ridge solve serves all delays. Equation (12) of the paper, after [1]_.
 
-    The cutoff is that of [2]_, what a state without memory would score, for held-out scores. In [2]_ the
-    readout is scored on the samples it was fitted on, where chance grows with the number of features. Here,
-    if the state knows nothing of ``message[k - d]``, the prediction is independent of it, and
+    The cutoff is that of [2]_, what a state without memory would score, for predictions of samples that were not
+    fitted. In [2]_ the readout is scored on the samples it was fitted on, where chance grows with the number of
+    features. Held out, if the state knows nothing of ``message[k - d]``, the prediction is independent of it, and
     test samples x correlation^2 follows a chi-squared law with one degree of freedom, however many the
     features. A negative correlation scores 0, so only the half of that law with positive sign passes q::
 
         P(correlation > 0 and test samples * correlation^2 > q) = P(N(0, 1) > sqrt(q)) = significance
+
+    Left out one by one, the prediction of a message y is ``(H y - h y) / (1 - h)``, with H the projection on r
+    centred directions and the constant, and h = (r + 1) / n its mean leverage. With s = y^T H y / Var y, less the
+    constant's share, which follows a chi-squared law with r degrees of freedom,
+    ``correlation = (s - r - 1) / sqrt(n (s - 2 h s + n h^2))``. The cutoff is its square at the quantile of s.
+
+    The interval, if resamples are asked for, is that of a circular block bootstrap of the scored samples, the readout
+    being as it is. It says how far a score can be trusted that was measured in a run as short as this one. What
+    another run would give, with another readout and other random weights, is said by `memory_over_runs`.
 
     Parameters
     ----------
@@ -80,12 +106,22 @@ def memory_capacity(
         Delays 0 to ``delays - 1``, or the delays themselves, distinct and not negative.
     washout : int
         Samples at the start that are left out: at least as many as the state takes to forget its start.
+    scoring : {"held out", "leave one out"}
+        Predict the last samples from a readout fitted on the first ones, or each sample from a readout fitted on all
+        the others. The latter wastes nothing, and is the one for a short series; where the states drift, it sees the
+        future.
     holdout : float, in (0, 1)
-        Share of the remaining samples, at the end, on which the prediction is scored.
+        Share of the remaining samples, at the end, on which the prediction is scored if held out.
     ridge, fit_intercept
         As in `fit_readout`.
     significance : float, in (0, 1/2)
         Probability that a delay without memory passes the cutoff.
+    resamples : int
+        Of the bootstrap. A thousand are plenty; none by default.
+    confidence : float, in (0, 1)
+        Share of the resamples within the interval.
+    seed : int
+        Of the bootstrap.
 
     Returns
     -------
@@ -94,10 +130,10 @@ def memory_capacity(
     Raises
     ------
     TypeError
-        If `delays` or `washout` is not integer.
+        If `delays`, `washout`, `resamples` or `seed` is not integer.
     ValueError
-        If an array has a wrong shape, is not finite or too short, the message is constant, or a number is out
-        of range.
+        If an array has a wrong shape, is not finite or too short, the message is constant where it is scored, or an
+        argument is out of range.
 
     References
     ----------
@@ -107,38 +143,147 @@ def memory_capacity(
     """
     x = finite_array("states", states, 2)
     e = finite_array("message", message, 1)
-    samples, features = x.shape
     lags = _lags(delays)
     washout = whole_number("washout", washout, 0)
+    known_names("scoring", [scoring], ["held out", "leave one out"])
     holdout = number_within("holdout", holdout, "(0, 1)")
+    penalty = number_within("ridge", ridge, "[0, inf)")
     significance = number_within("significance", significance, "(0, 0.5)")
+    resamples = whole_number("resamples", resamples, 0)
+    confidence = number_within("confidence", confidence, "(0, 1)")
+    seed = whole_number("seed", seed, 0)
+    start = max(washout, int(lags.max()))
+    _refuse_what_cannot_be_scored(x, e, lags, start, washout, holdout if scoring == "held out" else None)
+
+    settled = x[start:]
+    # The message before the washout is known even though the state is not yet trusted, so the two overlap.
+    delayed = _delayed(e - e.mean(), lags, start)
+    if scoring == "held out":
+        train = training_samples(len(settled), holdout)
+        target = delayed[:, train:]
+        prediction, white = predict_rest(settled, delayed[:, :train].T, penalty, fit_intercept)
+        certain = fit_intercept and white is not None and surely_full_rank(white, column_norms(settled[:train]))
+        bound = x.shape[1] if certain else rank_of(settled)
+        cutoff = NormalDist().inv_cdf(significance) ** 2 / target.shape[1]
+    else:
+        target = delayed
+        prediction = leave_one_out(settled, delayed.T, penalty, fit_intercept).T
+        bound = rank_of(settled)
+        cutoff = _leave_one_out_cutoff(bound, len(settled), significance)
+    if (np.ptp(target, axis=1) == 0).any():
+        raise ValueError(f"message must vary, or there is nothing to remember, got a constant over {target.shape[1]}")
+    profile = squared_correlation_of_rows(prediction, target)
+    if resamples == 0:
+        return MemoryCapacity(lags, profile, cutoff, bound)
+    block = usual_block(target.shape[1], lags)
+    drawn = resampled_squared_correlations(prediction, target, block, resamples, seed)
+    return MemoryCapacity(
+        lags,
+        profile,
+        cutoff,
+        bound,
+        profile_interval=percentiles(drawn, confidence),
+        total_interval=_ends(drawn.sum(axis=1), confidence),
+        corrected_interval=_ends(drawn[:, profile > cutoff].sum(axis=1), confidence),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class MemoryOverRuns:
+    """The memory of a reservoir over independent runs.
+
+    Attributes
+    ----------
+    delays : ndarray of shape (delays,)
+    profile : ndarray of shape (delays,)
+        Mean capacity at each delay.
+    profile_interval : ndarray of shape (2, delays)
+    total, corrected : Estimate
+        Means of the totals, with their intervals.
+    bound : int
+        The largest.
+    """
+
+    delays: NDArray[np.int64]
+    profile: Array
+    profile_interval: Array
+    total: Estimate
+    corrected: Estimate
+    bound: int
+
+
+def memory_over_runs(memories: Sequence[MemoryCapacity], confidence: float = 0.95) -> MemoryOverRuns:
+    """Combine runs that differ in their seeds alone.
+
+    Parameters
+    ----------
+    memories : sequence of MemoryCapacity
+        Two at least, over the same delays. Their own intervals are not used: what differs within a run differs
+        between runs too.
+    confidence : float, in (0, 1)
+
+    Returns
+    -------
+    MemoryOverRuns
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two runs, or their delays differ.
+    """
+    runs = list(memories)
+    for run in runs:
+        if not np.array_equal(run.delays, runs[0].delays):
+            raise ValueError(f"memories must share their delays, got {runs[0].delays} and {run.delays}")
+    total = mean_over_runs([run.total for run in runs], confidence)
+    at_delays = [mean_over_runs(values, confidence) for values in np.transpose([run.profile for run in runs])]
+    return MemoryOverRuns(
+        delays=runs[0].delays,
+        profile=np.array([at.mean for at in at_delays]),
+        profile_interval=np.array([[at.low for at in at_delays], [at.high for at in at_delays]]),
+        total=total,
+        corrected=mean_over_runs([run.corrected for run in runs], confidence),
+        bound=max(run.bound for run in runs),
+    )
+
+
+def _refuse_what_cannot_be_scored(
+    x: Array, e: Array, lags: NDArray[np.int64], start: int, washout: int, holdout: float | None
+) -> None:
+    samples, features = x.shape
     if len(e) != samples:
         raise ValueError(f"message must have as many samples as states, {samples}, got {len(e)}")
     if np.ptp(e) == 0:
         raise ValueError(f"message must vary, or there is nothing to remember, got {e[0]} throughout")
-    # The message before the washout is known even though the state is not yet trusted, so the two overlap.
-    start = max(washout, int(lags.max()))
-    needed = start + samples_needed(features, holdout)
+    # Left out one by one, the others must determine the weights, the constant and one thing more.
+    needed = start + (features + 3 if holdout is None else samples_needed(features, holdout))
     if samples < needed:
+        scoring = "scoring='leave one out'" if holdout is None else f"holdout={holdout}"
         raise ValueError(
             f"states must have at least {needed} samples for {features} features, washout={washout}, "
-            f"delays up to {lags.max()} and holdout={holdout}, got {samples}"
+            f"delays up to {lags.max()} and {scoring}, got {samples}"
         )
-    settled = x[start:]
-    delayed = e[np.arange(start, samples)[:, None] - lags]
-    prediction, target = predict_held_out(settled, delayed, holdout=holdout, ridge=ridge, fit_intercept=fit_intercept)
-    return MemoryCapacity(
-        delays=lags,
-        profile=squared_correlation(prediction, target),
-        cutoff=NormalDist().inv_cdf(significance) ** 2 / len(target),
-        bound=_centred_rank(settled),
-    )
 
 
-def _centred_rank(states: NDArray[np.float64]) -> int:
-    # Relative to the states before centring, or the rounding of their mean would pass for a direction.
-    rounding = np.linalg.norm(states) * max(states.shape) * np.finfo(np.float64).eps
-    return int(np.linalg.matrix_rank(states - states.mean(axis=0), tol=rounding))
+def _delayed(message: Array, lags: NDArray[np.int64], start: int) -> Array:
+    """Rows of the message, each delayed: ``message[k - d]`` for k from `start` on."""
+    rows = np.empty((len(lags), len(message) - start))
+    for row, lag in zip(rows, lags, strict=True):
+        row[:] = message[start - lag : len(message) - lag]
+    return rows
+
+
+def _leave_one_out_cutoff(rank: int, samples: int, significance: float) -> float:
+    if rank == 0:
+        return 0.0
+    leverage = (rank + 1) / samples
+    s = float(chdtri(rank, significance))
+    return (s - rank - 1) ** 2 / (samples * (s - 2 * leverage * s + samples * leverage**2))
+
+
+def _ends(values: Array, confidence: float) -> tuple[float, float]:
+    low, high = percentiles(values, confidence)
+    return float(low), float(high)
 
 
 def _lags(delays: int | Sequence[int]) -> NDArray[np.int64]:

@@ -53,10 +53,30 @@ def squared_correlation(prediction: ArrayLike, target: ArrayLike) -> NDArray[np.
         If the shapes differ, a value is not finite, or a target is constant.
     """
     guess, truth = _pair(prediction, target, (1, 2))
-    guess = guess - guess.mean(axis=0)
-    truth = truth - truth.mean(axis=0)
-    covariance = np.maximum((guess * truth).sum(axis=0), 0)
-    scale = (guess**2).sum(axis=0) * (truth**2).sum(axis=0)
+    # Outputs become rows, whose sums run along memory.
+    scores = squared_correlation_of_rows(np.atleast_2d(guess.T), np.atleast_2d((truth - truth.mean(axis=0)).T))
+    return scores.reshape(guess.shape[1:])
+
+
+def squared_correlation_of_rows(prediction: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
+    """`squared_correlation` without the checks, of each row.
+
+    Parameters
+    ----------
+    prediction : ndarray of shape (outputs, samples)
+    target : ndarray of shape (outputs, samples)
+        Of means that are small beside the spread.
+
+    Returns
+    -------
+    ndarray of shape (outputs,)
+    """
+    samples = target.shape[1]
+    average = np.full(samples, 1 / samples)
+    guess = prediction - (prediction @ average)[:, None]
+    # A centred prediction asks for no centred target.
+    covariance = np.maximum(np.vecdot(guess, target), 0)
+    scale = np.vecdot(guess, guess) * (np.vecdot(target, target) - samples * (target @ average) ** 2)
     # Rounding can carry a perfect correlation past 1 in the last digit.
     return np.minimum(np.divide(covariance**2, scale, out=np.zeros_like(scale), where=scale > 0), 1)
 
