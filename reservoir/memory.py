@@ -6,14 +6,14 @@ from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from scipy.special import chdtri
+from numpy.typing import ArrayLike
 
 from ..validation import finite_array, known_names, number_within, whole_number
 from .bootstrap import Estimate, mean_over_runs, percentiles, resampled_squared_correlations, usual_block
+from .delayed import delayed_products, delayed_rows, delayed_squared_correlations, Delays
 from .metrics import squared_correlation_of_rows
-from .orthonormal import Array, column_norms, rank_of, surely_full_rank
-from .ridge import leave_one_out, predict_rest, samples_needed, training_samples
+from .orthonormal import Array, column_norms, rank_of, surely_full_rank, whitening
+from .ridge import affine_weights, leave_one_out, samples_needed, training_samples, whitened_weights
 
 Scoring = Literal["held out", "leave one out"]
 
@@ -39,8 +39,8 @@ class MemoryCapacity:
         Of `total`, and of `corrected` with the delays above the cutoff as they are.
     """
 
-    delays: NDArray[np.int64]
-    profile: NDArray[np.float64]
+    delays: Delays
+    profile: Array
     cutoff: float
     bound: int
     profile_interval: Array | None = None
@@ -155,23 +155,23 @@ def memory_capacity(
     start = max(washout, int(lags.max()))
     _refuse_what_cannot_be_scored(x, e, lags, start, washout, holdout if scoring == "held out" else None)
 
-    settled = x[start:]
-    # The message before the washout is known even though the state is not yet trusted, so the two overlap.
-    delayed = _delayed(e - e.mean(), lags, start)
-    if scoring == "held out":
-        train = training_samples(len(settled), holdout)
-        target = delayed[:, train:]
-        prediction, white = predict_rest(settled, delayed[:, :train].T, penalty, fit_intercept)
-        certain = fit_intercept and white is not None and surely_full_rank(white, column_norms(settled[:train]))
-        bound = x.shape[1] if certain else rank_of(settled)
-        cutoff = NormalDist().inv_cdf(significance) ** 2 / target.shape[1]
+    # Its level is no news, and sums of products keep more digits without it.
+    e = e - e.mean()
+    first = start if scoring == "leave one out" else start + training_samples(len(x) - start, holdout)
+    _refuse_a_constant(e, lags, first)
+    prediction = None
+    if scoring == "leave one out":
+        bound = rank_of(x[start:])
+        cutoff = _leave_one_out_cutoff(bound, len(x) - start, significance)
+        prediction = leave_one_out(x[start:], delayed_rows(e, lags, start, len(e)).T, penalty, fit_intercept).T
     else:
-        target = delayed
-        prediction = leave_one_out(settled, delayed.T, penalty, fit_intercept).T
-        bound = rank_of(settled)
-        cutoff = _leave_one_out_cutoff(bound, len(settled), significance)
-    if (np.ptp(target, axis=1) == 0).any():
-        raise ValueError(f"message must vary, or there is nothing to remember, got a constant over {target.shape[1]}")
+        weights, bound = _weights_and_bound(x, e, lags, start, first, penalty, fit_intercept)
+        cutoff = NormalDist().inv_cdf(significance) ** 2 / (len(x) - first)
+        if resamples == 0:
+            profile = delayed_squared_correlations(x, weights, x[start], e, lags, first, len(x))
+            return MemoryCapacity(lags, profile, cutoff, bound)
+        prediction = weights.T @ (x[first:] - x[start]).T
+    target = delayed_rows(e, lags, first, len(e))
     profile = squared_correlation_of_rows(prediction, target)
     if resamples == 0:
         return MemoryCapacity(lags, profile, cutoff, bound)
@@ -204,7 +204,7 @@ class MemoryOverRuns:
         The largest.
     """
 
-    delays: NDArray[np.int64]
+    delays: Delays
     profile: Array
     profile_interval: Array
     total: Estimate
@@ -248,7 +248,7 @@ def memory_over_runs(memories: Sequence[MemoryCapacity], confidence: float = 0.9
 
 
 def _refuse_what_cannot_be_scored(
-    x: Array, e: Array, lags: NDArray[np.int64], start: int, washout: int, holdout: float | None
+    x: Array, e: Array, lags: Delays, start: int, washout: int, holdout: float | None
 ) -> None:
     samples, features = x.shape
     if len(e) != samples:
@@ -265,15 +265,35 @@ def _refuse_what_cannot_be_scored(
         )
 
 
-def _delayed(message: Array, lags: NDArray[np.int64], start: int) -> Array:
-    """Rows of the message, each delayed: ``message[k - d]`` for k from `start` on."""
-    rows = np.empty((len(lags), len(message) - start))
-    for row, lag in zip(rows, lags, strict=True):
-        row[:] = message[start - lag : len(message) - lag]
-    return rows
+def _refuse_a_constant(message: Array, lags: Delays, first: int) -> None:
+    changes = np.flatnonzero(np.diff(message))
+    for lag in lags:
+        if not np.any((changes >= first - lag) & (changes < len(message) - lag - 1)):
+            raise ValueError(
+                f"message must vary where it is scored, got a constant over the {len(message) - first} samples "
+                f"that delay {lag} is scored on"
+            )
+
+
+def _weights_and_bound(
+    x: Array, e: Array, lags: Delays, start: int, first: int, ridge: float, fit_intercept: bool
+) -> tuple[Array, int]:
+    """Readouts fitted on the samples from `start` to `first`, and the rank of all from `start` on."""
+    features = x.shape[1]
+    gram, cross = delayed_products(x, e, lags, start, first, centred=fit_intercept)
+    white = whitening(gram)
+    if white is None or not white.nine_digits:
+        weights, _ = affine_weights(x[start:first], delayed_rows(e, lags, start, first).T, ridge, fit_intercept)
+        return weights, rank_of(x[start:])
+    weights = whitened_weights(white.map, np.eye(features), white.map.T @ cross, ridge)
+    full = fit_intercept and surely_full_rank(white, column_norms(x[start:first]))
+    return weights, features if full else rank_of(x[start:])
 
 
 def _leave_one_out_cutoff(rank: int, samples: int, significance: float) -> float:
+    # Imported where it is used: it takes a fifth of a second, and whoever only steps an environment needs none of it.
+    from scipy.special import chdtri
+
     if rank == 0:
         return 0.0
     leverage = (rank + 1) / samples
@@ -286,7 +306,7 @@ def _ends(values: Array, confidence: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _lags(delays: int | Sequence[int]) -> NDArray[np.int64]:
+def _lags(delays: int | Sequence[int]) -> Delays:
     if not isinstance(delays, Iterable):
         return np.arange(whole_number("delays", delays, 1))
     lags = np.array([whole_number("delays", d, 0) for d in delays], dtype=np.int64)

@@ -28,66 +28,79 @@ Array = NDArray[np.float64]
 _ROUNDINGS = 100 * np.finfo(np.float64).eps
 # Departure from orthonormality after the first pass up to which the second one repairs it: [1] needs below 1.
 _NEARLY_ORTHONORMAL = 0.5
-# Departure that is left as it is. Scores of finite series are uncertain in their second or third digit.
 _NINE_DIGITS = 1e-9
 
 
 class Whitening(NamedTuple):
-    """A map of features to nearly orthonormal columns.
+    """A map of features to columns that are orthonormal, or nearly.
 
     Attributes
     ----------
     map : ndarray of shape (features, features)
         Upper triangular.
-    columns : ndarray of shape (samples, features), or None
-        The features times `map`, where it was needed.
-    triangle : ndarray of shape (features, features)
-        Upper triangular and close to the identity; ``columns @ triangle^-1`` is orthonormal.
+    departure : float
+        At most how far the product of the columns with themselves is from the identity, by rounding.
     """
 
     map: Array
-    columns: Array | None
-    triangle: Array
+    departure: float
 
-    def project(self, x: Array, y: Array) -> Array:
-        """``columns.T @ y``, given the features `x` again."""
-        projected: Array = self.map.T @ (x.T @ y) if self.columns is None else self.columns.T @ y
-        return projected
+    @property
+    def nine_digits(self) -> bool:
+        """Whether the columns are orthonormal enough: scores of finite series are uncertain in their third digit."""
+        return self.departure < _NINE_DIGITS
 
 
-def whiten(x: Array, *, digits: float = _NINE_DIGITS) -> Whitening | None:
+def whitening(gram: Array) -> Whitening | None:
     """Map features to nearly orthonormal columns, or say that they are too close to collinear for it.
 
     Parameters
     ----------
-    x : ndarray of shape (samples, features)
-    digits : float
-        Departure from orthonormality that is left as it is; at 0 all that rounding leaves is repaired.
+    gram : ndarray of shape (features, features)
+        Products of the features, summed over the samples.
 
     Returns
     -------
     Whitening or None
         None where the condition number, columns scaled to one length, is above some 1e8.
     """
-    gram = x.T @ x
-    scale = np.sqrt(gram.diagonal())
+    scale = np.sqrt(np.maximum(gram.diagonal(), 0))
     if not scale.all():
         return None
     factor, failed = dpotrf(gram / np.outer(scale, scale))
     if failed:
         return None
     inverse = dtrtri(factor)[0]
-    to_white = inverse / scale[:, None]
-    size = len(gram)
     # Rounding of the Gram matrix, stretched by the map from both sides.
-    if np.finfo(np.float64).eps * size * np.linalg.norm(inverse) ** 2 < digits:
-        return Whitening(to_white, None, np.eye(size))
-    columns = x @ to_white
+    departure = np.finfo(np.float64).eps * len(gram) * float(np.linalg.norm(inverse)) ** 2
+    return Whitening(inverse / scale[:, None], departure)
+
+
+def repaired(x: Array, white: Whitening | None) -> tuple[Array, Array] | None:
+    """Finish an orthonormal basis by a second pass.
+
+    Parameters
+    ----------
+    x : ndarray of shape (samples, features)
+    white : Whitening or None
+        Of `x`.
+
+    Returns
+    -------
+    columns : ndarray of shape (samples, features)
+        ``x @ white.map``.
+    triangle : ndarray of shape (features, features)
+        Upper triangular; ``columns @ triangle^-1`` is orthonormal to rounding. None in place of both where the first
+        pass did not leave the columns nearly orthonormal.
+    """
+    if white is None:
+        return None
+    columns = x @ white.map
     gram = columns.T @ columns
     # Not "above", which would let a NaN pass.
-    if not np.linalg.norm(gram - np.eye(size)) < _NEARLY_ORTHONORMAL:
+    if not np.linalg.norm(gram - np.eye(len(gram))) < _NEARLY_ORTHONORMAL:
         return None
-    return Whitening(to_white, columns, dpotrf(gram)[0])
+    return columns, dpotrf(gram)[0]
 
 
 class Centred(NamedTuple):
@@ -140,12 +153,14 @@ def orthonormal_basis(states: Array) -> Array:
     """
     x = centre(states).states
     norms = column_norms(states)
-    white = whiten(x, digits=0)
-    if white is not None and white.columns is not None and surely_full_rank(white, norms):
-        return white.columns @ dtrtri(white.triangle)[0]
+    white = whitening(x.T @ x)
+    found = repaired(x, white)
+    if white is not None and found is not None and surely_full_rank(white, norms):
+        columns, triangle = found
+        return _without_mean(columns @ dtrtri(triangle)[0])
     q, triangle = qr(x / norms, mode="economic", check_finite=False)
     left, singular, _ = np.linalg.svd(triangle, full_matrices=False)
-    return q @ left[:, singular > _tolerance(singular)]
+    return _without_mean(q @ left[:, singular > _tolerance(singular)])
 
 
 def state_rank(states: ArrayLike) -> int:
@@ -201,6 +216,11 @@ def column_norms(x: Array) -> Array:
     """Euclidean norm of each column, or 1 for a column of zeros."""
     norms: Array = np.sqrt(np.einsum("ij,ij->j", x, x))
     return np.where(norms > 0, norms, 1.0)
+
+
+def _without_mean(basis: Array) -> Array:
+    # A direction that is small in the states has the rounding of their mean magnified.
+    return basis - basis.mean(axis=0)
 
 
 def _tolerance(singular: Array) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import qr, solve_triangular
 
 from ..validation import finite_array, number_within
-from .orthonormal import Array, centre, whiten, Whitening
+from .orthonormal import Array, centre, repaired, whitening
 
 if TYPE_CHECKING:
     from .readouts import RidgeReadout
@@ -85,18 +85,13 @@ def states_and_targets(states: ArrayLike, targets: ArrayLike) -> tuple[Array, Ar
     return x, y
 
 
-def ridge_weights(x: Array, white: Whitening | None, y: Array, ridge: float) -> Array:
+def ridge_weights(x: Array, y: Array, ridge: float) -> Array:
     """Minimize ``||x W - y||^2 + ridge ||W||^2``.
-
-    Where columns Q = x M are nearly orthonormal, with Q^T Q = T^T T, the least squares of T and sqrt(ridge) M stacked
-    are the answer: they are small and well conditioned. Where there is no such M, the singular values of x are taken.
 
     Parameters
     ----------
     x : ndarray of shape (samples, features)
         Centred, if there is to be an intercept.
-    white : Whitening or None
-        Of `x`.
     y : ndarray of shape (samples, outputs)
     ridge : float, in [0, inf)
 
@@ -105,12 +100,40 @@ def ridge_weights(x: Array, white: Whitening | None, y: Array, ridge: float) -> 
     ndarray of shape (features, outputs)
         Of least norm where `ridge` is zero and several would do.
     """
-    if white is None:
-        left, singular, right = singular_vectors(x)
-        return right.T @ ((singular / (singular**2 + ridge))[:, None] * (left.T @ y))
-    projected = solve_triangular(white.triangle, white.project(x, y), trans="T", check_finite=False)
-    stacked, triangle = qr(np.vstack([white.triangle, math.sqrt(ridge) * white.map]), mode="economic")
-    weights: Array = white.map @ solve_triangular(triangle, stacked[: len(triangle)].T @ projected, check_finite=False)
+    white = whitening(x.T @ x)
+    if white is not None and white.nine_digits:
+        return whitened_weights(white.map, np.eye(x.shape[1]), white.map.T @ (x.T @ y), ridge)
+    found = repaired(x, white)
+    if white is not None and found is not None:
+        columns, triangle = found
+        return whitened_weights(white.map, triangle, columns.T @ y, ridge)
+    left, singular, right = singular_vectors(x)
+    weights: Array = right.T @ ((singular / (singular**2 + ridge))[:, None] * (left.T @ y))
+    return weights
+
+
+def whitened_weights(to_white: Array, triangle: Array, projected: Array, ridge: float) -> Array:
+    """Ridge weights by way of nearly orthonormal columns ``Q = x M``, with ``Q^T Q = T^T T``.
+
+    They are M times the least-squares solution of T and sqrt(ridge) M, stacked: a small problem, and well conditioned.
+
+    Parameters
+    ----------
+    to_white : ndarray of shape (features, features)
+        M.
+    triangle : ndarray of shape (features, features)
+        T, upper triangular.
+    projected : ndarray of shape (features, outputs)
+        Q^T y.
+    ridge : float, in [0, inf)
+
+    Returns
+    -------
+    ndarray of shape (features, outputs)
+    """
+    stacked, factor = qr(np.vstack([triangle, math.sqrt(ridge) * to_white]), mode="economic", check_finite=False)
+    target = solve_triangular(triangle, projected, trans="T", check_finite=False)
+    weights: Array = to_white @ solve_triangular(factor, stacked[: len(factor)].T @ target, check_finite=False)
     return weights
 
 
@@ -242,10 +265,34 @@ def predict_held_out(
             f"states must have at least {needed} samples for {features} features and holdout={holdout}, got {samples}"
         )
     train = training_samples(samples, holdout)
-    targets_in_columns = y[:train].reshape(train, -1)
-    level = targets_in_columns.mean(axis=0) if fit_intercept else np.zeros(targets_in_columns.shape[1])
-    prediction, _ = predict_rest(x, targets_in_columns - level, penalty, fit_intercept)
-    return (prediction.T + level).reshape(y[train:].shape), y[train:]
+    weights, constant = affine_weights(x[:train], y[:train].reshape(train, -1), penalty, fit_intercept)
+    # Moved before it is multiplied, or the digits of a large offset would cancel after.
+    prediction = (x[train:] - x[0]) @ weights + constant
+    return prediction.reshape(y[train:].shape), y[train:]
+
+
+def affine_weights(x: Array, y: Array, ridge: float, fit_intercept: bool) -> tuple[Array, Array]:
+    """Weights and constant of the readout ``(x - x[0]) @ weights + constant``.
+
+    Parameters
+    ----------
+    x : ndarray of shape (samples, features)
+    y : ndarray of shape (samples, outputs)
+    ridge : float, in [0, inf)
+    fit_intercept : bool
+        If not, the readout is linear: its constant is ``x[0] @ weights``.
+
+    Returns
+    -------
+    weights : ndarray of shape (features, outputs)
+    constant : ndarray of shape (outputs,)
+    """
+    if not fit_intercept:
+        weights = ridge_weights(x, y, ridge)
+        return weights, x[0] @ weights
+    moved, level = centre(x), y.mean(axis=0)
+    weights = ridge_weights(moved.states, y - level, ridge)
+    return weights, level - moved.mean @ weights
 
 
 def training_samples(samples: int, holdout: float) -> int:
@@ -261,35 +308,3 @@ def training_samples(samples: int, holdout: float) -> int:
     int
     """
     return math.floor((1 - holdout) * samples + _ROUNDING)
-
-
-def predict_rest(
-    states: Array, targets: Array, ridge: float, fit_intercept: bool
-) -> tuple[Array, Whitening | None]:
-    """Fit on as many first samples as there are targets, and predict the others.
-
-    Parameters
-    ----------
-    states : ndarray of shape (samples, features)
-    targets : ndarray of shape (training samples, outputs)
-        Their means are small beside their spread, and are left out of the prediction.
-    ridge : float, in [0, inf)
-    fit_intercept : bool
-
-    Returns
-    -------
-    prediction : ndarray of shape (outputs, samples - training samples)
-    white : Whitening or None
-        Of the states that were fitted, centred if there is an intercept.
-    """
-    seen, rest = states[: len(targets)], states[len(targets) :]
-    if not fit_intercept:
-        white = whiten(seen)
-        return ridge_weights(seen, white, targets, ridge).T @ rest.T, white
-    moved = centre(seen)
-    white = whiten(moved.states)
-    weights = ridge_weights(moved.states, white, targets, ridge)
-    # Moved before it is multiplied, or the digits of a large offset would cancel after.
-    prediction = weights.T @ (rest - moved.origin).T
-    prediction -= (moved.mean @ weights)[:, None]
-    return prediction, white

@@ -1,0 +1,133 @@
+"""Sums of products of states with delayed copies of a message, gathered block by block.
+
+The copies as one matrix would be larger than the states, and larger than the cache: most of the time would go into
+moving them. A block of samples and its copies stay in the cache while all is done with them that there is to do.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Delays = NDArray[np.int64]
+
+# Numbers in the larger of the two matrices of a block: half a megabyte.
+_BLOCK = 2**16
+_LEAST = 32
+
+
+def delayed_rows(message: Array, delays: Delays, start: int, stop: int) -> Array:
+    """Copies of a message: row i is ``message[k - delays[i]]`` for k from `start` to `stop`.
+
+    Parameters
+    ----------
+    message : ndarray of shape (samples,)
+    delays : ndarray of shape (delays,)
+        At most `start`.
+    start, stop : int
+
+    Returns
+    -------
+    ndarray of shape (delays, stop - start)
+    """
+    rows = np.empty((len(delays), stop - start))
+    _copy(message, delays, start, stop, rows)
+    return rows
+
+
+def delayed_products(
+    states: Array, message: Array, delays: Delays, start: int, stop: int, *, centred: bool = True
+) -> tuple[Array, Array]:
+    """Sum the products of states with states, and of states with a delayed message, from `start` to `stop`.
+
+    The first of these samples is subtracted from all, and what is left of the mean afterwards, in the sums. No mean
+    of n samples is further from one of them than sqrt(n) standard deviations, so that costs the digits of n at most.
+
+    Parameters
+    ----------
+    states : ndarray of shape (samples, features)
+    message : ndarray of shape (samples,)
+    delays : ndarray of shape (delays,)
+        At most `start`.
+    start, stop : int
+    centred : bool
+        Whether the mean of the states is subtracted.
+
+    Returns
+    -------
+    gram : ndarray of shape (features, features)
+    cross : ndarray of shape (features, delays)
+    """
+    features = states.shape[1]
+    offset = states[start] if centred else np.zeros(features)
+    gram, cross = np.zeros((features, features)), np.zeros((features, len(delays)))
+    total, level = np.zeros(features), np.zeros(len(delays))
+    for moved, rows in _blocks(states, message, delays, start, stop, offset):
+        gram += moved.T @ moved
+        cross += moved.T @ rows.T
+        total += moved.sum(axis=0)
+        level += rows.sum(axis=1)
+    if not centred:
+        return gram, cross
+    mean = total / (stop - start)
+    return gram - np.outer(total, mean), cross - np.outer(mean, level)
+
+
+def delayed_squared_correlations(
+    states: Array,
+    weights: Array,
+    offset: Array,
+    message: Array,
+    delays: Delays,
+    start: int,
+    stop: int,
+) -> Array:
+    """Squared correlation of each delayed message with its prediction, as in `squared_correlation`.
+
+    Parameters
+    ----------
+    states : ndarray of shape (samples, features)
+    weights : ndarray of shape (features, delays)
+    offset : ndarray of shape (features,)
+        Subtracted from the states before they are weighted. It changes no correlation, but saves digits.
+    message : ndarray of shape (samples,)
+    delays : ndarray of shape (delays,)
+    start, stop : int
+        First sample that is scored, and the one after the last.
+
+    Returns
+    -------
+    ndarray of shape (delays,)
+    """
+    p, t, pp, tt, pt = np.zeros((5, len(delays)))
+    for moved, rows in _blocks(states, message, delays, start, stop, offset):
+        prediction = weights.T @ moved.T
+        p += prediction.sum(axis=1)
+        t += rows.sum(axis=1)
+        pp += np.vecdot(prediction, prediction)
+        tt += np.vecdot(rows, rows)
+        pt += np.vecdot(prediction, rows)
+    samples = stop - start
+    covariance = np.maximum(pt - p * t / samples, 0)
+    scale = np.maximum(pp - p**2 / samples, 0) * (tt - t**2 / samples)
+    # Rounding can carry a perfect correlation past 1 in the last digit.
+    return np.minimum(np.divide(covariance**2, scale, out=np.zeros_like(scale), where=scale > 0), 1)
+
+
+def _blocks(
+    states: Array, message: Array, delays: Delays, start: int, stop: int, offset: Array
+) -> Iterator[tuple[Array, Array]]:
+    features = states.shape[1]
+    block = max(_LEAST, _BLOCK // max(features, len(delays)))
+    moved, rows = np.empty((block, features)), np.empty((len(delays), block))
+    for first in range(start, stop, block):
+        last = min(first + block, stop)
+        seen = rows[:, : last - first]
+        _copy(message, delays, first, last, seen)
+        yield np.subtract(states[first:last], offset, out=moved[: last - first]), seen
+
+
+def _copy(message: Array, delays: Delays, start: int, stop: int, rows: Array) -> None:
+    for row, delay in zip(rows, delays, strict=True):
+        row[:] = message[start - delay : stop - delay]

@@ -1,0 +1,254 @@
+"""Readouts as scikit-learn estimators: for pipelines, grid searches and cross-validation.
+
+Importing this module imports scikit-learn, which takes a second; `stickslip.reservoir` does so when they are asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from ..validation import finite_array, number_within
+from .orthonormal import centre
+from .recursive_least_squares import RecursiveLeastSquares
+from .ridge import affine_weights, left_out, singular_vectors
+
+Array = NDArray[np.float64]
+
+# Penalties tried by default, relative to the largest squared singular value: from the rounding of states that were
+# solved for to nine digits, up to where hardly anything is left.
+_RELATIVE_PENALTIES = np.logspace(-18, 0, 37)
+
+
+class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
+    """Ridge regression that keeps its digits on nearly collinear states, and can choose its penalty.
+
+    The penalty is chosen by the mean squared error of leave-one-out predictions, in closed form: all candidates cost
+    one singular value decomposition. scikit-learn's ``RidgeCV`` does the same; this one is never solved through the
+    Gram matrix, takes its candidates from the singular values unless told, so that the unit of the states does not
+    matter, and guards against a leverage of 1.
+
+    Parameters
+    ----------
+    penalty : float, sequence of float or None
+        Penalty on the squared weights, or candidates for it. None tries 37, from 1e-18 to 1 times the square of the
+        states' largest singular value.
+    fit_intercept : bool
+        Whether to learn an unpenalized constant beside the weights.
+    per_output : bool
+        Whether each output gets a penalty of its own.
+
+    Attributes
+    ----------
+    coef_ : ndarray of shape (features,) or (outputs, features)
+    intercept_ : float or ndarray of shape (outputs,)
+    penalty_ : float or ndarray of shape (outputs,)
+        The penalty that was used.
+    leave_one_out_error_ : ndarray of shape (candidates, outputs)
+        Mean squared error of each candidate; only if there was a choice.
+    candidates_ : ndarray of shape (candidates,)
+        Likewise.
+    n_features_in_ : int
+
+    Notes
+    -----
+    States of one run are no independent samples. Where they are correlated for longer than their targets, as
+    in capacities of random input, leaving out one sample is fair; for targets that vary slowly its neighbours give it
+    away, and ``GridSearchCV`` with ``TimeSeriesSplit`` over `penalty` is the honest choice.
+    """
+
+    def __init__(
+        self, penalty: float | Sequence[float] | None = None, *, fit_intercept: bool = True, per_output: bool = False
+    ) -> None:
+        self.penalty = penalty
+        self.fit_intercept = fit_intercept
+        self.per_output = per_output
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> RidgeReadout:
+        """Learn the weights.
+
+        Parameters
+        ----------
+        X : array_like of shape (samples, features)
+        y : array_like of shape (samples,) or (samples, outputs)
+
+        Returns
+        -------
+        RidgeReadout
+            Itself.
+
+        Raises
+        ------
+        ValueError
+            If an array has a wrong shape or is not finite, or a penalty is negative.
+        """
+        x, targets = validate_data(self, X, y, multi_output=True, y_numeric=True, dtype=np.float64)
+        columns = np.asarray(targets, dtype=np.float64).reshape(len(x), -1)
+        single = self.penalty is not None and np.ndim(self.penalty) == 0
+        weights, constant, penalty = self._fit_one(x, columns) if single else self._fit_best(x, columns)
+        coefficients, intercept = weights.T, constant - x[0] @ weights
+        # As in scikit-learn, the axis of a single output that was given without one is dropped.
+        flat = targets.ndim == 1
+        self.coef_ = coefficients[0] if flat else coefficients
+        self.intercept_ = 0.0 if not self.fit_intercept else intercept[0] if flat else intercept
+        self.penalty_ = penalty
+        self._origin, self._constant = x[0].copy(), constant
+        return self
+
+    def predict(self, X: ArrayLike) -> Array:
+        """Predict the targets.
+
+        Parameters
+        ----------
+        X : array_like of shape (samples, features)
+
+        Returns
+        -------
+        ndarray of shape (samples,) or (samples, outputs)
+        """
+        check_is_fitted(self)
+        x = validate_data(self, X, reset=False, dtype=np.float64)
+        weights = np.atleast_2d(self.coef_).T
+        # Moved before it is multiplied, or the digits of a large offset would cancel after.
+        prediction = (x - self._origin) @ weights + self._constant
+        return prediction[:, 0] if self.coef_.ndim == 1 else prediction
+
+    def _fit_one(self, x: Array, y: Array) -> tuple[Array, Array, float]:
+        penalty = number_within("penalty", self.penalty, "[0, inf)")
+        weights, constant = affine_weights(x, y, penalty, self.fit_intercept)
+        return weights, constant, penalty
+
+    def _fit_best(self, x: Array, y: Array) -> tuple[Array, Array, float | Array]:
+        offset = centre(x) if self.fit_intercept else None
+        level = y.mean(axis=0) if self.fit_intercept else np.zeros(y.shape[1])
+        left, singular, right = singular_vectors(x if offset is None else offset.states)
+        self.candidates_ = self._candidates(singular)
+        self.leave_one_out_error_ = np.array(
+            [_leave_one_out_error(left, singular, y - level, each, self.fit_intercept) for each in self.candidates_]
+        )
+        error = self.leave_one_out_error_
+        if not np.isfinite(error).any(axis=0).all():
+            raise ValueError(
+                f"penalty must leave an error that is finite with {len(x)} samples of {x.shape[1]} features, "
+                f"got candidates {self.candidates_}"
+            )
+        best = np.nanargmin(error, axis=0) if self.per_output else np.full(y.shape[1], np.nanargmin(error.sum(axis=1)))
+        chosen = self.candidates_[best]
+        shrunk = singular[:, None] / (singular[:, None] ** 2 + chosen)
+        weights = right.T @ (shrunk * (left.T @ (y - level)))
+        constant = x[0] @ weights if offset is None else level - offset.mean @ weights
+        return weights, constant, chosen if self.per_output else float(chosen[0])
+
+    def _candidates(self, singular: Array) -> Array:
+        if self.penalty is None:
+            return _RELATIVE_PENALTIES * (singular[0] ** 2 if singular.size else 1.0)
+        candidates = finite_array("penalty", self.penalty, 1)
+        if candidates.min() < 0:
+            raise ValueError(f"penalty must hold numbers in [0, inf), got {candidates.min()}")
+        return candidates
+
+
+class RecursiveLeastSquaresReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
+    """Recursive least squares: a ridge readout that learns one sample after the other.
+
+    Without forgetting it is ridge regression on all samples so far, with the constant as a feature like any other
+    and so penalized too. The arithmetic is that of `RecursiveLeastSquares`, the readout of the environment's reward.
+
+    Parameters
+    ----------
+    ridge : float, in (0, inf)
+        Penalty on the squared weights, in squared units of the states.
+    forgetting : float, in (0, 1]
+        Factor by which a sample's influence shrinks with each later one.
+    fit_intercept : bool
+        Whether to learn a constant beside the weights.
+
+    Attributes
+    ----------
+    coef_ : ndarray of shape (features,) or (outputs, features)
+    intercept_ : float or ndarray of shape (outputs,)
+    n_features_in_ : int
+    """
+
+    def __init__(self, ridge: float = 1.0, *, forgetting: float = 1.0, fit_intercept: bool = True) -> None:
+        self.ridge = ridge
+        self.forgetting = forgetting
+        self.fit_intercept = fit_intercept
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> RecursiveLeastSquaresReadout:
+        """Forget all, then learn these samples in their order.
+
+        Parameters
+        ----------
+        X : array_like of shape (samples, features)
+        y : array_like of shape (samples,) or (samples, outputs)
+
+        Returns
+        -------
+        RecursiveLeastSquaresReadout
+            Itself.
+        """
+        return self._learn(X, y, fresh=True)
+
+    def partial_fit(self, X: ArrayLike, y: ArrayLike) -> RecursiveLeastSquaresReadout:
+        """Learn more samples, in their order.
+
+        Parameters
+        ----------
+        X : array_like of shape (samples, features)
+        y : array_like of shape (samples,) or (samples, outputs)
+
+        Returns
+        -------
+        RecursiveLeastSquaresReadout
+            Itself.
+        """
+        return self._learn(X, y, fresh=not hasattr(self, "_readout"))
+
+    def predict(self, X: ArrayLike) -> Array:
+        """Predict the targets.
+
+        Parameters
+        ----------
+        X : array_like of shape (samples, features)
+
+        Returns
+        -------
+        ndarray of shape (samples,) or (samples, outputs)
+        """
+        check_is_fitted(self)
+        x = validate_data(self, X, reset=False, dtype=np.float64)
+        prediction = self._features(x) @ self._readout.weights.T
+        return prediction[:, 0] if self.coef_.ndim == 1 else prediction
+
+    def _learn(self, X: ArrayLike, y: ArrayLike, fresh: bool) -> RecursiveLeastSquaresReadout:
+        x, targets = validate_data(self, X, y, reset=fresh, multi_output=True, y_numeric=True, dtype=np.float64)
+        features = self._features(x)
+        columns = np.asarray(targets, dtype=np.float64).reshape(len(x), -1)
+        if fresh:
+            self._readout = RecursiveLeastSquares(
+                features.shape[1], columns.shape[1], ridge=self.ridge, forgetting=self.forgetting
+            )
+        for row, target in zip(features, columns, strict=True):
+            self._readout.learn(row, target)
+        weights = self._readout.weights
+        coefficients = weights[:, : x.shape[1]]
+        intercept = weights[:, -1] if self.fit_intercept else np.zeros(len(weights))
+        flat = targets.ndim == 1
+        self.coef_ = coefficients[0].copy() if flat else coefficients.copy()
+        self.intercept_ = float(intercept[0]) if flat else intercept.copy()
+        return self
+
+    def _features(self, x: Array) -> Array:
+        return np.column_stack([x, np.ones(len(x))]) if self.fit_intercept else x
+
+
+def _leave_one_out_error(left: Array, singular: Array, targets: Array, penalty: float, fit_intercept: bool) -> Array:
+    kept = singular**2 / (singular**2 + penalty)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error: Array = np.mean((targets - left_out(left, kept, targets, fit_intercept)) ** 2, axis=0)
+    return error
