@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 # Distances, in units of the states' spread, between which they grow or shrink as a linear system's would: above, they
 # saturate; below, they are rounding.
-_LINEAR, _ROUNDING = 0.1, 1e-11
+_LINEAR, _ROUNDING = 0.01, 1e-11
 # Least number of steps in that range from which a rate is told.
 _STEPS = 10
 
@@ -51,11 +51,11 @@ def echo_state_property(states: ArrayLike, *, washout: int = 0, tolerance: float
     Distances are Euclidean over the features, each in units of its standard deviation over samples and trajectories,
     divided by the square root of the number of features.
 
-    The exponent is the mean growth of the logarithm of the distance to the first trajectory, over the samples in
-    which that distance is between the rounding of the states (1e-11) and a tenth of their spread: there the
-    difference obeys the linearized equations, and turns of itself towards the direction that grows most or shrinks
-    least. So it is had from starts that are far apart, if they meet, and from starts that are close, if they part.
-    To measure chaos, start within 1e-8 of each other.
+    The exponent is the mean growth of the logarithm of the distance to the first trajectory, while that distance is
+    for the first time between the rounding of the states (1e-11) and a hundredth of their spread. There the difference
+    obeys the linearized equations, and turns of itself towards the direction that grows most or shrinks least. So it
+    is had from starts that are far apart, if they meet, and from starts that are close, if they part. To measure
+    chaos, start within 1e-8 of each other; it is over after ``ln(1e6) / exponent`` samples, so the error is large.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def echo_state_property(states: ArrayLike, *, washout: int = 0, tolerance: float
     exponent, error = _exponent(np.linalg.norm(scaled[1:] - scaled[0], axis=2))
     if np.isnan(exponent):
         warnings.warn(
-            f"fewer than {_STEPS} samples have distances between rounding and a tenth of the states' spread: no "
+            f"fewer than {_STEPS} samples have distances between rounding and a hundredth of the states' spread: no "
             f"Lyapunov exponent can be told from them",
             stacklevel=2,
         )
@@ -126,17 +126,20 @@ def echo_state_property(states: ArrayLike, *, washout: int = 0, tolerance: float
 
 def _exponent(distance: Array) -> tuple[float, float]:
     """Mean and standard error of the growth of ``log(distance)``, of shape (pairs, samples), in the linear range."""
-    linear = (distance > _ROUNDING) & (distance < _LINEAR)
-    both = linear[:, 1:] & linear[:, :-1]
-    if both.sum() < _STEPS:
+    before, after = distance[:, :-1], distance[:, 1:]
+    linear = (before > _ROUNDING) & (before < _LINEAR) & (after > 0)
+    # The step that leaves the range counts: without it the large ones would be missing, and the mean too small (Wald's
+    # identity). Whoever has left and comes back does so by chance, and at places where neighbours are about to part.
+    left = np.logical_or.accumulate(~linear & np.logical_or.accumulate(linear, axis=1), axis=1)
+    counted = linear & ~left
+    if counted.sum() < _STEPS:
         return float("nan"), float("nan")
-    logarithm = np.log(np.where(linear, distance, 1))
-    growth = np.diff(logarithm, axis=1)[both]
+    growth = np.log(np.divide(after, before, out=np.ones_like(after), where=counted))
     # All pairs are driven by one input, so that they are no independent witnesses of it: what counts is its samples.
-    counted = both.any(axis=0)
-    at_samples = np.where(both, np.diff(logarithm, axis=1), 0).sum(axis=0)[counted] / both.sum(axis=0)[counted]
+    pairs = counted.sum(axis=0)
+    at_samples = growth.sum(axis=0)[pairs > 0] / pairs[pairs > 0]
     error = at_samples.std(ddof=1) / np.sqrt(len(at_samples)) if len(at_samples) > 1 else np.nan
-    return float(growth.mean()), float(error)
+    return float(growth.sum() / counted.sum()), float(error)
 
 
 def _consistency(scaled: Array) -> float:

@@ -155,8 +155,9 @@ def memory_capacity(
     start = max(washout, int(lags.max()))
     _refuse_what_cannot_be_scored(x, e, lags, start, washout, holdout if scoring == "held out" else None)
 
-    # Its level is no news, and sums of products keep more digits without it.
-    e = e - e.mean()
+    if fit_intercept:
+        # Its level is the constant's, and sums of products keep more digits without it.
+        e = e - e.mean()
     first = start if scoring == "leave one out" else start + training_samples(len(x) - start, holdout)
     _refuse_a_constant(e, lags, first)
     prediction = None

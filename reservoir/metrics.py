@@ -65,7 +65,7 @@ def squared_correlation_of_rows(prediction: NDArray[np.float64], target: NDArray
     ----------
     prediction : ndarray of shape (outputs, samples)
     target : ndarray of shape (outputs, samples)
-        Of means that are small beside the spread.
+        Of means that are no larger than the spread, or not by much.
 
     Returns
     -------

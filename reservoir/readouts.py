@@ -19,9 +19,9 @@ from .ridge import affine_weights, left_out, singular_vectors
 
 Array = NDArray[np.float64]
 
-# Penalties tried by default, relative to the largest squared singular value: from the rounding of states that were
-# solved for to nine digits, up to where hardly anything is left.
-_RELATIVE_PENALTIES = np.logspace(-18, 0, 37)
+# Penalties tried by default, relative to the largest squared singular value: from the square of the states' rounding,
+# below which no direction is kept, up to where hardly anything is left.
+_RELATIVE_PENALTIES = np.logspace(-30, 0, 31)
 
 
 class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
@@ -35,8 +35,8 @@ class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
     Parameters
     ----------
     penalty : float, sequence of float or None
-        Penalty on the squared weights, or candidates for it. None tries 37, from 1e-18 to 1 times the square of the
-        states' largest singular value.
+        Penalty on the squared weights, or candidates for it. None tries the powers of ten from 1e-30 to 1, times
+        the square of the states' largest singular value.
     fit_intercept : bool
         Whether to learn an unpenalized constant beside the weights.
     per_output : bool

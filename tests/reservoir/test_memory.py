@@ -4,7 +4,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from stickslip.reservoir import delay_line, memory_capacity
+from stickslip.reservoir import (
+    delay_line,
+    fit_readout,
+    mean_over_runs,
+    memory_capacity,
+    memory_over_runs,
+    predict_held_out,
+    squared_correlation,
+)
 
 
 def message(samples, seed=0):
@@ -97,6 +105,153 @@ def test_a_state_that_never_moves_remembers_nothing():
     assert (memory.corrected, memory.bound) == (0, 0)
 
 
+def test_the_bound_survives_a_large_offset():
+    """It once came out 0: the rounding of a mean of 1e12 was taken for the size of what varies."""
+    e = message(4000)
+    memory = memory_capacity(delay_line(e, 6) + 1e12, e, 10)
+    assert memory.bound == 6
+    # A message of 1/2 keeps four of the states' digits.
+    assert memory.corrected == pytest.approx(6, abs=1e-6)
+
+
+@pytest.mark.parametrize("scoring", ["held out", "leave one out"])
+def test_a_memoryless_reservoir_scores_delay_zero_and_nothing_else(scoring):
+    """Packages are known that give it 0.47 too much over 50 delays."""
+    u = np.random.default_rng(0).uniform(-1, 1, 4000)
+    states = np.column_stack([u, u**2, np.tanh(3 * u), np.exp(u)])
+    memory = memory_capacity(states, u, 50, scoring=scoring)
+    assert memory.corrected == pytest.approx(1, abs=1e-9)
+    assert memory.total - 1 < 50 * 5 / 1900
+    unknown = memory_capacity(states, np.roll(u, 1), 50, scoring=scoring)
+    assert unknown.corrected == 0
+
+
+def test_the_covariances_are_those_of_the_scored_samples():
+    """A variance over the whole series would make this 4 / 2.5, or 1 / 2.5 the other way round."""
+    e = message(4000) * np.repeat([1, 2], 2100)[:4000]
+    states = delay_line(e, 3) + 0.3 * np.random.default_rng(5).normal(size=(4000, 3))
+    for series in (1, -1):
+        memory = memory_capacity(states[::series].copy(), e[::series].copy(), [0], washout=0)
+        variance = e[::series][2000:].var()
+        assert memory.profile[0] == pytest.approx(variance / (variance + 0.09), abs=0.03)
+
+
+@pytest.mark.parametrize("taps", [1, 20])
+def test_left_out_one_by_one_a_delay_line_remembers_as_much(taps):
+    e = message(800)
+    memory = memory_capacity(delay_line(e, taps), e, 30, scoring="leave one out")
+    np.testing.assert_allclose(memory.profile[:taps], 1, atol=1e-9)
+    assert memory.corrected == pytest.approx(taps, abs=1e-8)
+
+
+@pytest.mark.parametrize("features", [1, 5, 80])
+def test_left_out_one_by_one_chance_passes_as_often_as_the_significance_says(features):
+    noise = np.random.default_rng(features).normal(size=(5000, features))
+    memory = memory_capacity(noise, message(5000), 2000, scoring="leave one out", significance=0.05)
+    assert abs((memory.profile > memory.cutoff).sum() - 100) < 5 * 10
+    assert memory_capacity(noise, message(5000), 50, scoring="leave one out").corrected == 0
+
+
+def test_left_out_one_by_one_is_left_out_one_by_one():
+    e = message(60)
+    states = delay_line(e, 3) + np.random.default_rng(0).normal(size=(60, 3))
+    rows = np.arange(10, 60)
+    prediction = np.empty((50, 2))
+    for column, delay in enumerate((0, 4)):
+        for k in rows:
+            others = rows[rows != k]
+            readout = fit_readout(states[others], e[others - delay], ridge=0.5)
+            prediction[k - 10, column] = readout.predict(states[[k]])[0]
+    target = np.column_stack([e[rows], e[rows - 4]])
+    memory = memory_capacity(states, e, [0, 4], washout=10, ridge=0.5, scoring="leave one out")
+    np.testing.assert_allclose(memory.profile, squared_correlation(prediction, target), atol=1e-12)
+
+
+@pytest.mark.parametrize("fit_intercept", [True, False])
+@pytest.mark.parametrize("spread", [1, 1e-3, 1e-6, 1e-13])
+def test_every_way_to_the_readout_gives_the_score_of_the_readout(spread, fit_intercept):
+    """Well conditioned, solved in two passes, and by singular values."""
+    e = message(2000)
+    states = delay_line(e, 6) + np.random.default_rng(0).normal(size=(2000, 6))
+    states = (
+        states @ np.diag(np.geomspace(1, spread, 6)) @ np.linalg.qr(np.random.default_rng(1).normal(size=(6, 6)))[0]
+    )
+    arguments = {"ridge": 1e-12, "fit_intercept": fit_intercept}
+    memory = memory_capacity(states, e, [0, 3, 8], washout=100, **arguments)
+    delayed = np.column_stack([e[100:], e[97:-3], e[92:-8]])
+    expected = squared_correlation(*predict_held_out(states[100:], delayed, **arguments))
+    np.testing.assert_allclose(memory.profile, expected, atol=1e-8)
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    """Of a leaky integrator, whose profile is known. 90 of 100 would have standard deviation 3."""
+    pole = 0.8
+    exact = (1 - pole**2) * pole ** (2 * np.arange(12))
+    totals = profiles = 0
+    for seed in range(100):
+        e = message(2000, seed)
+        memory = memory_capacity(lfilter([1], [1, -pole], e)[:, None], e, 12, resamples=200, confidence=0.9, seed=seed)
+        known = memory.profile > memory.cutoff
+        totals += memory.corrected_interval[0] < exact[known].sum() < memory.corrected_interval[1]
+        profiles += memory.profile_interval[0, 0] < exact[0] < memory.profile_interval[1, 0]
+        assert memory.total_interval[0] >= memory.corrected_interval[0]
+    assert 90 - 5 * 3 < totals <= 100
+    assert 90 - 5 * 3 < profiles <= 100
+
+
+def test_resampling_leaves_the_score_as_it_is():
+    e = message(1000)
+    states = delay_line(e, 3) + np.random.default_rng(0).normal(size=(1000, 3))
+    plain, resampled = memory_capacity(states, e, 6), memory_capacity(states, e, 6, resamples=50)
+    np.testing.assert_allclose(resampled.profile, plain.profile, atol=1e-12)
+    assert plain.total_interval is None
+    again = memory_capacity(states, e, 6, resamples=50)
+    np.testing.assert_array_equal(again.profile_interval, resampled.profile_interval)
+    exact = memory_capacity(delay_line(e, 3), e, 3, resamples=50)
+    assert exact.total_interval == pytest.approx((3, 3), abs=1e-9)
+
+
+def test_runs_are_combined():
+    runs = []
+    for seed in range(4):
+        e = message(1500, seed)
+        states = delay_line(e, 3) + np.random.default_rng(seed).normal(size=(1500, 3))
+        runs.append(memory_capacity(states, e, 6))
+    memory = memory_over_runs(runs, 0.9)
+    assert memory.total == mean_over_runs([run.total for run in runs], 0.9)
+    assert memory.corrected.mean == pytest.approx(np.mean([run.corrected for run in runs]))
+    np.testing.assert_allclose(memory.profile, np.mean([run.profile for run in runs], axis=0))
+    assert (memory.profile_interval[0] <= memory.profile).all()
+    assert (memory.profile <= memory.profile_interval[1]).all()
+    assert memory.bound == 3
+    with pytest.raises(ValueError, match="memories must share their delays"):
+        memory_over_runs([runs[0], memory_capacity(delay_line(message(1500), 2), message(1500), 3)])
+    with pytest.raises(ValueError, match="values must hold two runs at least"):
+        memory_over_runs(runs[:1])
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(-4, 4))
+def test_neither_order_nor_mixing_of_states_matters(seed, power):
+    rng = np.random.default_rng(seed)
+    e = message(800, seed)
+    states = delay_line(e, 4) + 0.5 * rng.normal(size=(800, 4))
+    mixing = np.linalg.qr(rng.normal(size=(4, 4)))[0] * 10.0**power
+    reference = memory_capacity(states, e, 6, ridge=0)
+    other = memory_capacity(states[:, ::-1] @ mixing - 3, -2 * e + 1, 6, ridge=0)
+    assert other.bound == reference.bound
+    np.testing.assert_allclose(other.profile, reference.profile, atol=1e-8)
+
+
+def test_a_message_that_stops_is_refused_where_it_would_be_scored():
+    e = message(1000)
+    e[580:] = 0.5
+    states = np.random.default_rng(0).normal(size=(1000, 2))
+    with pytest.raises(ValueError, match="got a constant over the 400 samples that delay 0 is scored on"):
+        memory_capacity(states, e, 30)
+    memory_capacity(states, e, [30])
+
+
 @pytest.mark.parametrize(
     ("change", "error", "text"),
     [
@@ -129,6 +284,14 @@ def test_a_state_that_never_moves_remembers_nothing():
             ValueError,
             "states must have at least 501 samples for 8 features, washout=485, .* got 500",
         ),
+        ({"scoring": "in sample"}, ValueError, "scoring has no 'in sample'; allowed are"),
+        (
+            {"scoring": "leave one out", "washout": 490},
+            ValueError,
+            "at least 501 samples for 8 features, washout=490, delays up to 4 and scoring='leave one out', got 500",
+        ),
+        ({"resamples": -1}, ValueError, "resamples must be a whole number >= 0, got -1"),
+        ({"ridge": -1.0}, ValueError, r"ridge must be in \[0, inf\), got -1.0"),
         ({"delays": [490]}, ValueError, "at least 506 samples .* delays up to 490 and holdout=0.5, got 500"),
     ],
 )

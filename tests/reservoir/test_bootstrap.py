@@ -1,0 +1,65 @@
+import numpy as np
+import pytest
+from scipy import stats
+
+from stickslip.reservoir import mean_over_runs, squared_correlation
+from stickslip.reservoir.bootstrap import percentiles, resampled_squared_correlations, usual_block
+
+
+def test_the_interval_over_runs_is_students():
+    values = [3.0, 5.0, 4.0, 8.0]
+    found = mean_over_runs(values, 0.9)
+    low, high = stats.t.interval(0.9, 3, loc=5, scale=stats.sem(values))
+    assert (found.mean, found.low, found.high, found.runs) == pytest.approx((5, low, high, 4))
+
+
+def test_bad_runs():
+    with pytest.raises(ValueError, match="values must hold two runs at least to tell how much they differ, got 1"):
+        mean_over_runs([1.0])
+    with pytest.raises(ValueError, match=r"confidence must be in \(0, 1\), got 95"):
+        mean_over_runs([1.0, 2.0], 95)
+
+
+def test_a_single_block_of_all_samples_is_the_series_itself():
+    """Wherever on the circle it starts."""
+    rng = np.random.default_rng(0)
+    target = rng.normal(size=(3, 50))
+    prediction = target + rng.normal(size=(3, 50)) + 4
+    drawn = resampled_squared_correlations(prediction, target, 50, 20, 0)
+    np.testing.assert_allclose(drawn, np.tile(squared_correlation(prediction.T, target.T), (20, 1)), atol=1e-12)
+
+
+def test_resamples_are_scored_as_if_they_were_written_out():
+    rng = np.random.default_rng(0)
+    target = rng.normal(size=(2, 23))
+    prediction = target + rng.normal(size=(2, 23))
+    drawn = resampled_squared_correlations(prediction, target, 5, 4, seed=3)
+    starts = np.random.default_rng(3).integers(0, 23, (4, 5))
+    for found, each in zip(drawn, starts, strict=True):
+        index = (each[:, None] + np.arange(5)).ravel() % 23
+        np.testing.assert_allclose(found, squared_correlation(prediction[:, index].T, target[:, index].T), atol=1e-12)
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9])
+def test_intervals_hold_the_truth_as_often_as_they_say(memory):
+    """Prediction and target of correlation 0.6, both with memory in time: 90 of 100 with standard deviation 3."""
+    from scipy.signal import lfilter
+
+    hits = 0
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        common, first, second = lfilter([1], [1, -memory], rng.normal(size=(3, 2000)), axis=1)
+        a, b = np.sqrt(0.6), np.sqrt(0.4)
+        drawn = resampled_squared_correlations(
+            (a * common + b * first)[None], (a * common + b * second)[None], 40, 200, seed
+        )
+        low, high = percentiles(drawn[:, 0], 0.9)
+        hits += low < 0.36 < high
+    assert 90 - 5 * 3 < hits <= 100
+
+
+def test_blocks_span_the_delays_but_leave_blocks_to_draw():
+    assert usual_block(8000, [0, 1]) == 20
+    assert usual_block(8000, range(50)) == 50
+    assert usual_block(100, range(50)) == 10
+    assert usual_block(5, [0]) == 1
