@@ -1,7 +1,7 @@
 """Memory capacity to 50 delays on 10,000 samples of 50 states, beside the ways it is usually had.
 
-Run ``python benchmarks/memory_speed.py``. The works take turns in one process with one thread for BLAS; a ratio is that of
-neighbours in time, given as median and quartiles over the rounds. Kept in ``results/memory_speed.json``.
+Run ``python benchmarks/memory_speed.py``. The works take turns in one process with one thread for BLAS; a ratio is that
+of neighbours in time, given as median and quartiles over the rounds. Kept in ``results/memory_speed.json``.
 
 The works, all on the same second half after the same first half:
 
@@ -10,8 +10,8 @@ The works, all on the same second half after the same first half:
 - the same with prediction and scores.
 - one ridge fit a delay, scikit-learn's, the fits alone: what reservoirpy's users and RCbench do.
 
-The states are normal noise, the states of an echo-state network, and states that are collinear to 1e-5 and to 1e-12, where the
-Gram matrix has lost all digits: Cholesky's times are those of a wrong answer there.
+The states are normal noise, the states of an echo-state network, and states that are collinear to 1e-5 and to 1e-12.
+There the Gram matrix has lost its digits: Cholesky's times are those of a wrong answer.
 """
 
 import argparse

@@ -86,12 +86,10 @@ class InformationCapacity:
         -------
         dict of int to ndarray of shape (largest delay tried + 1,)
         """
-        return {
-            degree: np.bincount(
-                self.delay[self.degree == degree], self.capacity[self.degree == degree], self.reach[degree] + 1
-            )
-            for degree in self.tried
-        }
+        profiles = {degree: np.zeros(self.reach[degree] + 1) for degree in self.tried}
+        for degree, delay, capacity in zip(self.degree, self.delay, self.capacity, strict=True):
+            profiles[int(degree)][delay] += capacity
+        return profiles
 
 
 def information_processing_capacity(

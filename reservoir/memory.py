@@ -12,7 +12,7 @@ from ..validation import finite_array, known_names, number_within, whole_number
 from .bootstrap import Estimate, mean_over_runs, percentiles, resampled_squared_correlations, usual_block
 from .delayed import delayed_products, delayed_rows, delayed_squared_correlations, Delays
 from .metrics import squared_correlation_of_rows
-from .orthonormal import Array, column_norms, rank_of, surely_full_rank, whitening
+from .orthonormal import Array, column_norms, rank_of, repair, surely_full_rank, whitening
 from .ridge import affine_weights, leave_one_out, samples_needed, training_samples, whitened_weights
 
 Scoring = Literal["held out", "leave one out"]
@@ -280,15 +280,22 @@ def _weights_and_bound(
     x: Array, e: Array, lags: Delays, start: int, first: int, ridge: float, fit_intercept: bool
 ) -> tuple[Array, int]:
     """Readouts fitted on the samples from `start` to `first`, and the rank of all from `start` on."""
-    features = x.shape[1]
-    gram, cross = delayed_products(x, e, lags, start, first, centred=fit_intercept)
-    white = whitening(gram)
-    if white is None or not white.nine_digits:
+
+    def products(to_white: Array | None = None) -> tuple[Array, Array]:
+        return delayed_products(x, e, lags, start, first, to_white=to_white, centred=fit_intercept)
+
+    gram, cross = products()
+    white, triangle = whitening(gram), None
+    if white is not None and white.nine_digits:
+        triangle, projected = np.eye(len(gram)), white.map.T @ cross
+    elif white is not None:
+        gram, projected = products(white.map)
+        triangle = repair(gram)
+    if white is None or triangle is None:
         weights, _ = affine_weights(x[start:first], delayed_rows(e, lags, start, first).T, ridge, fit_intercept)
         return weights, rank_of(x[start:])
-    weights = whitened_weights(white.map, np.eye(features), white.map.T @ cross, ridge)
     full = fit_intercept and surely_full_rank(white, column_norms(x[start:first]))
-    return weights, features if full else rank_of(x[start:])
+    return whitened_weights(white.map, triangle, projected, ridge), len(gram) if full else rank_of(x[start:])
 
 
 def _leave_one_out_cutoff(rank: int, samples: int, significance: float) -> float:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import qr
-from scipy.linalg.lapack import dpotrf, dtrtri
+from scipy.linalg.lapack import dgeqrf, dpotrf, dtrtri
 
 from ..validation import finite_array
 
@@ -96,11 +96,28 @@ def repaired(x: Array, white: Whitening | None) -> tuple[Array, Array] | None:
     if white is None:
         return None
     columns = x @ white.map
-    gram = columns.T @ columns
+    triangle = repair(columns.T @ columns)
+    return None if triangle is None else (columns, triangle)
+
+
+def repair(gram: Array) -> Array | None:
+    """Triangle that makes nearly orthonormal columns orthonormal.
+
+    Parameters
+    ----------
+    gram : ndarray of shape (features, features)
+        Products of the columns with themselves.
+
+    Returns
+    -------
+    ndarray of shape (features, features), or None
+        Upper triangular; None where the columns are not nearly orthonormal.
+    """
     # Not "above", which would let a NaN pass.
     if not np.linalg.norm(gram - np.eye(len(gram))) < _NEARLY_ORTHONORMAL:
         return None
-    return columns, dpotrf(gram)[0]
+    triangle: Array = dpotrf(gram)[0]
+    return triangle
 
 
 class Centred(NamedTuple):
@@ -188,8 +205,10 @@ def state_rank(states: ArrayLike) -> int:
 
 def rank_of(states: Array) -> int:
     """`state_rank` without the checks."""
-    (triangle,) = qr(centre(states).states / column_norms(states), mode="r", check_finite=False)
-    singular = np.linalg.svd(triangle[: states.shape[1]], compute_uv=False)
+    scaled = centre(states).states / column_norms(states)
+    # LAPACK itself, for `qr` would copy the whole of the states twice.
+    triangle = np.triu(dgeqrf(np.asfortranarray(scaled), overwrite_a=True)[0][: scaled.shape[1]])
+    singular = np.linalg.svd(triangle, compute_uv=False)
     return int((singular > _tolerance(singular)).sum())
 
 
