@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Delays = NDArray[np.int64]
 
-# Numbers in the larger of the two matrices of a block: half a megabyte.
-_BLOCK = 2**16
+# Numbers in the larger of the two matrices of a block: a quarter of a megabyte.
+_BLOCK = 2**15
 _LEAST = 32
 
 

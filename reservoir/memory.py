@@ -267,13 +267,13 @@ def _refuse_what_cannot_be_scored(
 
 
 def _refuse_a_constant(message: Array, lags: Delays, first: int) -> None:
-    changes = np.flatnonzero(np.diff(message))
-    for lag in lags:
-        if not np.any((changes >= first - lag) & (changes < len(message) - lag - 1)):
-            raise ValueError(
-                f"message must vary where it is scored, got a constant over the {len(message) - first} samples "
-                f"that delay {lag} is scored on"
-            )
+    changes = np.append(np.flatnonzero(np.diff(message)), len(message))
+    still = changes[np.searchsorted(changes, first - lags)] >= len(message) - lags - 1
+    if still.any():
+        raise ValueError(
+            f"message must vary where it is scored, got a constant over the {len(message) - first} samples "
+            f"that delay {lags[still][0]} is scored on"
+        )
 
 
 def _weights_and_bound(
