@@ -8,7 +8,7 @@ The works, all on the same second half after the same first half:
 - ``memory_capacity`` as shipped: checks, solve, scores of the held-out half, cutoff and rank.
 - one Cholesky solve for all delays, scikit-learn's: the fit alone, without prediction, scores or rank.
 - the same with prediction and scores.
-- one ridge fit a delay, scikit-learn's, the fits alone: what reservoirpy's users and RCbench do.
+- one ridge fit a delay, scikit-learn's, the fits alone: what RCbench does.
 
 The states are normal noise, the states of an echo-state network, and states that are collinear to 1e-5 and to 1e-12.
 There the Gram matrix has lost its digits: Cholesky's times are those of a wrong answer.
