@@ -152,7 +152,7 @@ def information_processing_capacity(
     budget : int
         Functions that are tried in all. A warning tells what was not tried for it. A degree costs at delay d about
         ``d^(degree - 1) / (degree - 1)!`` functions, and a function 2 x samples x features operations: with 10,000
-        samples of 50 states a thousand functions take some 0.1 s.
+        samples of 50 states a thousand functions take some 0.2 s.
     support : tuple of two floats, optional
         Interval in which the inputs are uniform, for Legendre; theirs from the least to the largest by default.
     seed : int
