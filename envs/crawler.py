@@ -18,7 +18,7 @@ from ..reservoir.prequential import PrequentialMemory
 from .calibration import calibrated_memory
 from .rendering import Frame, Renderer
 from .settings import FLIPS, Settings, told
-from .stepping import rest, stepper_for
+from .stepping import calibration_states, rest, stepper_for
 
 __all__ = ["StickSlipCrawlerEnv"]
 
@@ -176,7 +176,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         settings = self.settings
         if settings.dither > 0.0:
             if self._memory is None:
-                self._memory = calibrated_memory(settings)
+                self._memory = calibrated_memory(settings, calibration_states(settings))
             self._memory.reset()
         self.episode_groups, self.episode_scene = settings.draw(self.np_random)
         self._stepper = stepper_for(

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -18,9 +19,9 @@ from ..crawler.simulation import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
 from ..crawler.workspace import ROWS, WIDTH
 from ..lanes import aligned_zeros, LANES
-from ..reservoir.prequential_lanes import forget, Readouts, readouts_of
+from ..reservoir.prequential_lanes import blank_readouts, forget, Readouts, readouts_of
 from .batch import batch_of, Reward, STEP_BATCH
-from .calibration import calibrated_memory
+from .calibration import calibrated_memory, calibration_commands
 from .rendering import Frame
 from .settings import FLIPS, Settings
 from .stepping import Stepper, stepper_for
@@ -121,7 +122,9 @@ class Fleet:
         if anew:
             self.batch.drawn[:] = FLIPS
         if self._readouts is None and self._settings.dither > 0.0:
-            self._readouts = readouts_of([calibrated_memory(kind) for kind in self._kinds], self._kind)
+            states = _calibration_states(self._kinds)
+            memories = [calibrated_memory(kind, seen) for kind, seen in zip(self._kinds, states, strict=True)]
+            self._readouts = readouts_of(memories, self._kind)
         self.begin_again(mask)
 
     def begin_again(self, mask: NDArray[np.bool_]) -> None:
@@ -253,3 +256,20 @@ class Fleet:
         groups, scene = self.crawlers[i]
         error = solver_error(status, reached, deformation, MAX_STEPS, groups, scene, tolerance, solver)
         return SolverError(f"sub-environment {i}: {error}")
+
+
+def _calibration_states(kinds: Sequence[Settings]) -> NDArray[np.float64]:
+    """States of the bodies under the calibration's commands, from rest, shape (kinds, holds, features)."""
+    settings, count = kinds[0], len(kinds)
+    fleet = Fleet([replace(kind, randomize={}) for kind in kinds], np.arange(count), 1, 1)
+    # With readouts, though blank, the kernel is the one that is compiled for the episodes.
+    fleet._readouts = blank_readouts(count, settings.delays, settings.features + 1, 1.0)
+    fleet.begin(np.ones(count, np.bool_), [0] * count, anew=True)
+    _, valves = calibration_commands(settings)
+    states = np.empty((count, len(valves), settings.features))
+    idle = np.zeros(count, np.bool_)
+    for k, valve in enumerate(valves.tolist()):
+        fleet.batch.drawn[:] = 0  # and none of the flips there is true
+        fleet.step(np.full(count, valve), idle)
+        states[:, k] = fleet.batch.samples.reshape(settings.features, -1)[:, :count].T
+    return states

@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled
 from ..crawler.body import Body, Ledger, Physics, physics
-from ..crawler.control import ClosedForm, Control, Method, Radau, Taylor
+from ..crawler.control import ClosedForm, Control, FINISHED, MAX_STEPS, Method, Radau, Taylor
 from ..crawler.driving import advance_by_method
 from ..crawler.groups import Groups
 from ..crawler.scene import Scene
+from ..crawler.simulation import solver_error
 from ..crawler.solvers import AUTO, choose
+from .calibration import calibration_commands
+from .settings import Settings
 
-__all__ = ["Stepper", "rest", "stepper_for"]
+__all__ = ["Stepper", "calibration_states", "rest", "stepper_for"]
 
 _BODY = len(Body._fields)
 _PHYSICS = len(Physics._fields)
@@ -49,6 +52,29 @@ def stepper_for(groups: Groups, scene: Scene, hold: float, tolerance: float, vir
         solver.workspace(coefficients, hold, virtual_nodes),
         solver.name,
     )
+
+
+def calibration_states(settings: Settings) -> NDArray[np.float64]:
+    """States of the body under the calibration's commands, from rest, shape (holds, features).
+
+    Raises
+    ------
+    SolverError
+        If the motion diverges.
+    """
+    _, valves = calibration_commands(settings)
+    groups, scene, hold, tolerance = settings.groups, settings.scene, settings.hold, settings.tolerance
+    hold_valve, fixed, workspace, solver = stepper_for(groups, scene, hold, tolerance, settings.samples)
+    body, observation = rest(), np.empty(5, np.float32)
+    samples = np.empty((5, settings.samples))
+    states = np.empty((len(valves), settings.features))
+    for k, valve in enumerate(valves.tolist()):
+        status, elapsed = hold_valve(body, fixed, valve, samples, workspace, observation)
+        if status != FINISHED:
+            reached = k * hold + elapsed
+            raise solver_error(status, reached, float(body[0]), MAX_STEPS, groups, scene, tolerance, solver)
+        states[k] = samples[:3].reshape(-1)
+    return states
 
 
 @compiled

@@ -13,7 +13,7 @@ from ..compilation import compiled
 from ..lanes import aligned_zeros, clipped, LANES, load, spread, store
 from .prequential import PrequentialMemory
 
-__all__ = ["Readouts", "forget", "readouts_of", "score_lanes"]
+__all__ = ["Readouts", "blank_readouts", "forget", "readouts_of", "score_lanes"]
 
 Array = NDArray[np.float64]
 
@@ -47,27 +47,36 @@ def readouts_of(memories: Sequence[PrequentialMemory], kind: NDArray[np.int64]) 
     Readouts
         At their start.
     """
-    blocks = -(-len(kind) // LANES)
-    delays, features = memories[0].first_weights.shape
-    lower = np.tril_indices(features)
-    half = len(lower[0])
-    readouts = Readouts(
+    readouts = blank_readouts(len(kind), *memories[0].first_weights.shape, memories[0].variance)
+    lower = np.tril_indices(memories[0].first_weights.shape[1])
+    for i, which in enumerate(kind.tolist()):
+        block, lane = divmod(i, LANES)
+        readouts.scaling[block, 0, :, lane] = memories[which].centre
+        readouts.scaling[block, 1, :, lane] = memories[which].scale
+    readouts = readouts._replace(
+        first_weights=np.stack([memory.first_weights for memory in memories]),
+        first_covariance=np.stack([memory.first_covariance[lower] for memory in memories]),
+        kind=kind,
+    )
+    forget(readouts, np.ones(len(kind), np.bool_))
+    return readouts
+
+
+def blank_readouts(count: int, delays: int, features: int, variance: float) -> Readouts:
+    """Readouts that see nothing and learn nothing, of so many delays and features, the constant one among them."""
+    blocks = -(-count // LANES)
+    half = features * (features + 1) // 2
+    return Readouts(
         aligned_zeros(blocks, delays, features, LANES),
         aligned_zeros(blocks, half, LANES),
         aligned_zeros(blocks, delays, LANES),
         aligned_zeros(blocks, 2, features - 1, LANES),
         aligned_zeros(blocks * LANES),
-        np.stack([memory.first_weights for memory in memories]),
-        np.stack([memory.first_covariance[lower] for memory in memories]),
-        kind,
-        memories[0].variance,
+        np.zeros((1, delays, features)),
+        np.zeros((1, half)),
+        np.zeros(count, np.int64),
+        variance,
     )
-    for i, which in enumerate(kind.tolist()):
-        block, lane = divmod(i, LANES)
-        readouts.scaling[block, 0, :, lane] = memories[which].centre
-        readouts.scaling[block, 1, :, lane] = memories[which].scale
-    forget(readouts, np.ones(len(kind), np.bool_))
-    return readouts
 
 
 @compiled

@@ -2,7 +2,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from stickslip import Groups, memory_capacity, simulate
+from stickslip import memory_capacity, simulate
 
 NAME = "StickSlipCrawler-v0"
 WORDS = ["0", "1", "10", "110", "100", "1100", "11100", "111000", "11110000", "111111000000", "1110"]
