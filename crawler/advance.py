@@ -1,10 +1,11 @@
-"""One crawler, one hold of the valve: the loop in which the body's state moves, whatever makes its steps.
+"""One crawler, one stretch of a constant valve: the loop in which the body's state moves, whatever makes its steps.
 
 The pressure is closed form. Between events z and v are polynomials; the foot follows from the momentum, on which
 friction and slope alone act. A step ends at whichever comes first: its error bound, the first descent of an event
-function through zero, or the end of the hold.
+function through zero, or the end of the stretch: of the hold, or of the part of it that the valve is open or shut.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,7 @@ from .events import change_motion, next_event
 from .radau import radau_again, radau_step
 from .taylor import state_at, taylor_step
 
-__all__ = ["FARTHEST", "advance", "record"]
+__all__ = ["FARTHEST", "advance", "record", "sampled_by"]
 
 # No bounded body stretches so far; beyond, a float32 observation and the squares of the motion would soon overflow.
 FARTHEST = 1e12
@@ -80,8 +81,10 @@ def advance(
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
     workspace: NDArray[np.float64],
+    begin: float = 0.0,
+    end: float = math.inf,
 ) -> Outcome:
-    """Advance one crawler by one hold of the valve.
+    """Advance one crawler by one hold of the valve, or by a part of one.
 
     Parameters
     ----------
@@ -89,32 +92,37 @@ def advance(
         State and energies at the start of the hold.
     physics : Physics
     valve : float
-        0 or 1, constant over the hold.
+        0 or 1, constant from `begin` to `end`.
     hold : float
         Length of the hold, natural time.
     control : Control
     start : float
         Time at which the hold begins; only the events' times depend on it.
     samples : (5, S) array
-        Receives z, v, p, x, w at the times hold (j + 1) / S.
+        Receives z, v, p, x, w at those of the times hold (j + 1) / S that are after `begin` and not after `end`.
     events : (capacity, 2) array
         Receives the time and the new motion of each event if `control.log`. Where it is too short the outcome says
         LOG_FULL, and the hold is to be done again from its start with a longer one.
     workspace : (ROWS, WIDTH) array
         Scratch.
+    begin, end : float
+        Time into the hold, the whole of it by default.
 
     Returns
     -------
     Outcome
     """
     count = samples.shape[1]
-    done = 0
+    done = sampled_by(begin, hold, count)
     logged = 0
-    elapsed = 0.0
+    elapsed = begin
+    close = min(end, hold)
     opening = body
     pace = AFRESH
     for steps in range(1, control.max_steps + 1):
-        longest, end, pace = next_step(opening, body, physics, valve, elapsed, hold - elapsed, control, pace, workspace)
+        longest, ahead, pace = next_step(
+            opening, body, physics, valve, elapsed - begin, close - elapsed, control, pace, workspace
+        )
         if not longest >= 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
         length, motion = next_event(body, physics, valve, control.order, longest, workspace)
@@ -123,24 +131,24 @@ def advance(
             if pace.length > 0.0:
                 continue
 
-        # The last step ends on the hold itself, so that no sample is lost to the rounding of a sum.
-        last = motion == body.motion and length >= hold - elapsed
-        reached = hold if last else elapsed + length
+        # The last step ends on the stretch's own end, so that no sample is lost to the rounding of a sum.
+        last = motion == body.motion and length >= close - elapsed
+        reached = close if last else elapsed + length
         while done < count:
             moment = hold * ((done + 1) / count)
             if moment > reached:
                 break
-            pressure = pressure_after(opening, physics, valve, moment)
-            sampled = end
+            pressure = pressure_after(opening, physics, valve, moment - begin)
+            sampled = ahead
             if moment - elapsed < longest:
                 sampled = state_at(body, physics, pressure, control.order, min(moment - elapsed, length), workspace)
             record(sampled, samples, done)
             samples[2, done] = pressure  # of that very moment, not of a step's end within rounding of it
             done += 1
 
-        following = end
+        following = ahead
         if length < longest:
-            pressure = pressure_after(opening, physics, valve, reached)
+            pressure = pressure_after(opening, physics, valve, reached - begin)
             following = state_at(body, physics, pressure, control.order, length, workspace)
         if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
@@ -157,8 +165,17 @@ def advance(
                 logged += 1
         body = following
         if last:
-            return Outcome(FINISHED, hold, steps, logged, body, ledger)
+            return Outcome(FINISHED, close, steps, logged, body, ledger)
     return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger)
+
+
+@compiled
+def sampled_by(begin: float, hold: float, count: int) -> int:
+    """How many of a hold's samples are taken by the time `begin`."""
+    done = 0
+    while begin > 0.0 and done < count and hold * ((done + 1) / count) <= begin:
+        done += 1
+    return done
 
 
 @compiled
