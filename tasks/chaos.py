@@ -84,9 +84,10 @@ def mackey_glass(
 def _collocation(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Chebyshev nodes in [-1, 1], ascending, and what turns values there into integrals from -1 and coefficients."""
     nodes = chebyshev.chebpts2(count)
-    transform = np.linalg.inv(chebyshev.chebvander(nodes, count - 1))
+    transform = np.linalg.inv(chebyshev.chebvander(nodes, count - 1)).astype(np.float64)
     basis = chebyshev.chebint(np.eye(count), lbnd=-1.0)
-    return nodes, chebyshev.chebvander(nodes, count) @ basis @ transform, transform
+    integral: NDArray[np.float64] = chebyshev.chebvander(nodes, count) @ basis @ transform
+    return nodes, integral, transform
 
 
 def lorenz(

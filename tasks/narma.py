@@ -124,7 +124,9 @@ def random_narma(
     top = (BITS_HEIGHT if bits else UNIFORM_HEIGHT) if height is None else number_within("height", height, "(0, inf)")
     order, seed = _known_order(order), whole_number("seed", seed, 0)
     for attempt in range(_DRAWS):
-        inputs = top * (random_bits if bits else random_uniform)(length, seed if attempt == 0 else [seed, attempt])
+        fresh = seed if attempt == 0 else [seed, attempt]
+        drawn = random_bits(length, fresh).astype(np.float64) if bits else random_uniform(length, fresh)
+        inputs = top * drawn
         targets, diverged = _iterated(inputs, order)
         if diverged is None:
             return inputs, targets

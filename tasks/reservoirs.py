@@ -29,7 +29,7 @@ __all__ = [
     "known_reservoirs",
 ]
 
-Reservoir = Callable[[NDArray[np.float64], int], NDArray[np.float64]]
+Reservoir = Callable[[NDArray[Any], int], NDArray[np.float64]]
 """Takes a series (length,) in [0, 1] and a seed for what in it is random; gives states (length, features).
 
 One that has `candidates`, a sequence of reservoirs, is tuned by the benchmark, on training data alone. One that has

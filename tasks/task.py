@@ -139,6 +139,10 @@ class SeriesTask:
         """
         problem = _drawn(self.draw, length, seed)
         start = max(whole_number("washout", washout, 0), problem.warm_up)
+        if length <= start:
+            raise ValueError(
+                f"length must be more than the {start} samples that are washed out or warm up, got {length}"
+            )
         training = start + (length - start) // 2
 
         def validation(candidate: Reservoir) -> float:
@@ -151,8 +155,11 @@ class SeriesTask:
 
 @lru_cache(maxsize=32)
 def _drawn(draw: Callable[[int, int], Problem], length: int, seed: int) -> Problem:
-    """A draw, made once for the reservoirs that share it."""
-    return draw(length, seed)
+    """A draw, made once for the reservoirs that share it, none of which may write to it."""
+    problem = draw(length, seed)
+    for array in (problem.drive, problem.inputs, problem.targets):
+        array.flags.writeable = False
+    return problem
 
 
 def tuned(reservoir: Reservoir, validation: Callable[[Reservoir], float], metric: Metric) -> Reservoir:

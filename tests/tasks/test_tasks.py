@@ -241,6 +241,10 @@ def test_the_linear_body_is_an_affine_map_of_three_states():
             "length must be a whole number >= 60, got 10",
         ),
         (
+            lambda: TASKS["NARMA-20 NRMSE"].attempt(BodyReservoir(), length=20, seed=0, washout=5),
+            "length must be more than the 20 samples that are washed out or warm up, got 20",
+        ),
+        (
             lambda: TASKS["Lorenz NRMSE"].attempt(BodyReservoir(), length=100, seed=0, washout=99),
             "states must have at least 24 samples for 12 features",
         ),
