@@ -126,7 +126,7 @@ def test_registered_names_reach_the_runner(monkeypatch):
     bits = SeriesTask(lambda length, seed: Problem(*[random_bits(length, seed).astype(float)] * 3, 0), count)
     monkeypatch.setitem(TASKS, "features", bits)
     monkeypatch.setitem(RESERVOIRS, "bits", lambda drive, seed: drive[:, None])
-    [score] = run_benchmark(tasks=["features"], reservoirs="bits", seeds=[0], length=10)
+    [score] = run_benchmark(tasks=["features"], reservoirs="bits", seeds=[0], length=10, washout=0)
     assert score == Score("features", "bits", 0, 1.0)
 
 
@@ -143,7 +143,8 @@ def test_the_table_by_hand():
         ({"tasks": ["NARMA-3"]}, r"tasks must be among \['memory capacity', .*\], got 'NARMA-3'"),
         ({"reservoirs": "octopus"}, r"reservoirs must be among \['crawler', .*\], got 'octopus'"),
         ({"length": 0}, "length must be a whole number >= 1, got 0"),
-        ({"length": 100}, "states must have at least .* got 100"),
+        ({"length": 100}, "length must be more than the 200 samples .* got 100"),
+        ({"length": 210}, "states must have at least .* got 210"),
         ({"tasks": ["NARMA-2 NRMSE"], "washout": -1}, "washout must be a whole number >= 0, got -1"),
         ({"seeds": [-1]}, "seed must be a whole number >= 0, got -1"),
     ],
