@@ -12,7 +12,7 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from ..compilation import compiled, OPTIONS
+from ..compilation import compiled, formula, merged, OPTIONS
 from .body import Body, Ledger, Physics
 from .control import (
     AFRESH,
@@ -33,7 +33,7 @@ from .events import change_motion, next_event
 from .radau import radau_again, radau_step
 from .taylor import state_at, taylor_step
 
-__all__ = ["FARTHEST", "advance", "record", "sampled_by"]
+__all__ = ["FARTHEST", "advance", "is_near", "moment_of", "record", "sampled_by", "sampled_step"]
 
 # No bounded body stretches so far; beyond, a float32 observation and the squares of the motion would soon overflow.
 FARTHEST = 1e12
@@ -112,8 +112,7 @@ def advance(
     -------
     Outcome
     """
-    count = samples.shape[1]
-    done = sampled_by(begin, hold, count)
+    done = sampled_by(begin, hold, samples.shape[1])
     logged = 0
     elapsed = begin
     close = min(end, hold)
@@ -131,26 +130,25 @@ def advance(
             if pace.length > 0.0:
                 continue
 
-        # The last step ends on the stretch's own end, so that no sample is lost to the rounding of a sum.
-        last = motion == body.motion and length >= close - elapsed
-        reached = close if last else elapsed + length
-        while done < count:
-            moment = hold * ((done + 1) / count)
-            if moment > reached:
-                break
-            pressure = pressure_after(opening, physics, valve, moment - begin)
-            sampled = ahead
-            if moment - elapsed < longest:
-                sampled = state_at(body, physics, pressure, control.order, min(moment - elapsed, length), workspace)
-            record(sampled, samples, done)
-            samples[2, done] = pressure  # of that very moment, not of a step's end within rounding of it
-            done += 1
-
-        following = ahead
-        if length < longest:
-            pressure = pressure_after(opening, physics, valve, reached - begin)
-            following = state_at(body, physics, pressure, control.order, length, workspace)
-        if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
+        following, reached, done, last = sampled_step(
+            opening,
+            body,
+            physics,
+            valve,
+            hold,
+            begin,
+            close,
+            elapsed,
+            control.order,
+            longest,
+            ahead,
+            length,
+            motion,
+            done,
+            samples,
+            workspace,
+        )
+        if not is_near(following):
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
         if control.energy:
             ledger = account(ledger, body, following, physics, control.order, length, workspace)
@@ -169,11 +167,75 @@ def advance(
     return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger)
 
 
+@merged
+def sampled_step(
+    opening: Body,
+    body: Body,
+    physics: Physics,
+    valve: float,
+    hold: float,
+    begin: float,
+    close: float,
+    elapsed: float,
+    order: int,
+    longest: float,
+    end: Body,
+    length: float,
+    motion: int,
+    done: int,
+    samples: NDArray[np.float64],
+    series: NDArray[np.float64],
+) -> tuple[Body, float, int, bool]:
+    """Take the samples of a step that ends after `length`, at most `longest`, where the state is `end`.
+
+    The valve keeps its state from `begin` to `close`, times into the hold; `opening` is the state at `begin`.
+
+    Returns
+    -------
+    following : Body
+        At the step's end, before the motion changes.
+    reached : float
+        Time into the hold.
+    done : int
+        Samples taken so far in the hold.
+    last : bool
+        Whether the time `close` is reached.
+    """
+    # The last step ends on the stretch's own end, so that no sample is lost to the rounding of a sum.
+    last = motion == body.motion and length >= close - elapsed
+    reached = close if last else elapsed + length
+    count = samples.shape[1]
+    while done < count:
+        moment = moment_of(done, count, hold)
+        if moment > reached:
+            break
+        # The pressure is that of this very moment, not of a step's end within rounding of it.
+        pressure = pressure_after(opening, physics, valve, moment - begin)
+        record(state_at(body, physics, pressure, order, min(moment - elapsed, length), series), samples, done)
+        done += 1
+    if length < longest:
+        pressure = pressure_after(opening, physics, valve, reached - begin)
+        return state_at(body, physics, pressure, order, length, series), reached, done, last
+    return end, reached, done, last
+
+
+@formula
+def moment_of(done: float, count: float, hold: float) -> float:
+    """Time into the hold of the sample after `done` of `count`."""
+    return hold * ((done + 1.0) / count)
+
+
+@formula
+def is_near(body: Body) -> bool:
+    """Whether the body is finite, and where a body can be."""
+    return abs(body.deformation) + abs(body.velocity) + abs(body.foot_velocity) < FARTHEST
+
+
 @compiled
 def sampled_by(begin: float, hold: float, count: int) -> int:
     """How many of a hold's samples are taken by the time `begin`."""
     done = 0
-    while begin > 0.0 and done < count and hold * ((done + 1) / count) <= begin:
+    while begin > 0.0 and done < count and moment_of(done, count, hold) <= begin:
         done += 1
     return done
 

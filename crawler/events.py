@@ -3,17 +3,18 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled, merged
+from ..compilation import compiled, formula, merged
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
 from .equations import foot_velocity_at, force, force_terms, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative, sharp_descent
-from .workspace import FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
+from .workspace import FIRST, FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
 
 __all__ = [
     "breaking_loose",
     "change_motion",
     "comes_to_rest",
     "foot_speed",
+    "is_quiet",
     "motion_after_rest",
     "next_event",
     "started",
@@ -32,7 +33,8 @@ def next_event(
     body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
 ) -> tuple[float, int]:
     """Where the step ends, at most at `length`, and the motion that follows."""
-    if physics.anchored or _quiet(body, physics, series):
+    reach = series[STEP, LOWEST], series[STEP, HIGHEST], series[STEP, FIRST]
+    if physics.anchored | is_quiet(body, physics, series[FORCE, 0], *reach):
         return length, body.motion
     if body.motion == STUCK:
         return breaking_loose(body, physics, valve, order, length, series)
@@ -46,14 +48,18 @@ def next_event(
     return moment, motion_after_rest(body.motion, physics, horner(series[FORCE], order, moment))
 
 
-@compiled
-def _quiet(body: Body, physics: Physics, series: NDArray[np.float64]) -> bool:
-    """Whether the sizes of the terms alone show that nothing happens on the step."""
-    if body.motion != STUCK:
-        return body.motion * body.foot_velocity + series[STEP, LOWEST] > 0.0
-    pull = series[FORCE, 0] + physics.foot_fraction * physics.slope
-    forward = physics.static_friction + pull + series[STEP, LOWEST] > 0.0
-    return forward and (physics.ratchet or physics.static_friction - pull - series[STEP, HIGHEST] > 0.0)
+@formula
+def is_quiet(body: Body, physics: Physics, pull: float, lowest: float, highest: float, first: float) -> bool:
+    """Whether the sizes of the terms alone show that nothing happens on the step, which begins with the force `pull`.
+
+    The speed of a foot that slides from rest is t times a polynomial, whose constant term is then the first.
+    """
+    speed = body.motion * body.foot_velocity
+    slides = (speed + lowest > 0.0) | ((speed == 0.0) & (first + lowest > 0.0))
+    weighed = pull + physics.foot_fraction * physics.slope
+    backward = physics.static_friction - weighed - highest > 0.0
+    rests = (physics.static_friction + weighed + lowest > 0.0) & (physics.ratchet | backward)
+    return ((body.motion == STUCK) & rests) | ((body.motion != STUCK) & slides)
 
 
 @merged

@@ -16,7 +16,17 @@ from .body import Body, Physics
 from .closed_form import decay, Propagator, propagator, Rates
 from .equations import acceleration_at_no_force
 
-__all__ = ["Deviation", "Margin", "Modes", "deviation", "first_fall", "largest_derivative", "modes_of", "safe_start"]
+__all__ = [
+    "FAINTEST",
+    "Deviation",
+    "Margin",
+    "Modes",
+    "deviation",
+    "first_fall",
+    "largest_derivative",
+    "modes_of",
+    "safe_start",
+]
 
 # Sums of a few terms are right to some units in the last place; a dip shallower than that is no descent.
 _NOISE = 16.0 * np.finfo(np.float64).eps
@@ -29,7 +39,7 @@ _REFINEMENTS = 60
 _ALIKE = 0.5
 # Squared distance of the lag's rate from the body's, likewise, below which the two are not told apart.
 _RESONANT = 0.25
-_FAINTEST = 1e-250
+FAINTEST = 1e-250
 _IDENTITY = Propagator(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0)
 
 
@@ -94,7 +104,7 @@ def deviation(body: Body, physics: Physics, valve: float, rates: Rates) -> Devia
 
 @compiled
 def _faded(value: float) -> float:
-    return value if abs(value) > _FAINTEST else 0.0
+    return value if abs(value) > FAINTEST else 0.0
 
 
 @compiled

@@ -24,6 +24,7 @@ from .radau_table import CHECKS, STAGES, TABLES
 from .taylor import expand, ROUNDING, state_at
 from .workspace import (
     CORRECTION,
+    FIRST,
     FORCE,
     HIGHEST,
     LOWEST,
@@ -188,6 +189,7 @@ def radau_step(
     # No cheap bound of the event function is known: it is looked at whole.
     series[STEP, LOWEST] = -np.inf
     series[STEP, HIGHEST] = np.inf
+    series[STEP, FIRST] = 0.0
     pressure = pressure_after(opening, physics, valve, elapsed + length)
     return length, state_at(body, physics, pressure, control.order, length, series), pace
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..unrolling import fma, sum_of_products, unrolled
 from .workspace import FORCE, P, STEP, V, WORK, Z
 
-__all__ = ["coefficients", "value", "write_energies", "write_step"]
+__all__ = ["coefficients", "step", "value", "write_energies", "write_step"]
 
 # Where the motion is fainter than the tolerance, an absolute test would allow steps beyond the series' radius of
 # convergence. The body's own period is 2 pi, so this many natural units keep within it.
@@ -82,32 +82,34 @@ def value(coefficients: Sequence[Any], t: Any, square: Any) -> Any:
     return fma(sums[1], t, sums[0])
 
 
-def _step(order: int, _rows: Any, *inputs: Any) -> dict[int, list[Any]]:
+def step(order: int, _rows: Any, *inputs: Any) -> dict[int, list[Any]]:
     """The series, and a row of what else the step needs: its length, its end, and the reach of its event function.
 
     The length is the longest on which the last two terms of the acceleration stay below the tolerance: two, because an
     even or odd motion has every second coefficient zero; of the acceleration, because events are roots of the force.
     The event function is, but for its constant term, force_weight F + velocity_weight v + drift t; the reach is the
-    sum of its negative terms and that of its positive ones, which bound it on the step.
+    sum of its negative terms and that of its positive ones, which bound it on the step; the first term is kept besides.
     """
     *motion, tolerance, remaining, force_weight, velocity_weight, drift = inputs
     z, v, p, force = coefficients(order, *motion)
 
     exponent: Any = math.log2(_LONGEST)
+    allowed = tolerance.log2()
     for n in (order - 1, order):
         last = abs(v[n + 1]) * (n + 1.0)
-        exponent = ((tolerance / last).log2() * (1.0 / n)).smaller(exponent)
+        exponent = ((allowed - last.log2()) * (1.0 / n)).smaller(exponent)
     length = exponent.exp2().smaller(remaining)
 
     square = length * length
-    power, lowest, highest = length, 0.0, 0.0
+    power, lowest, highest, first = length, 0.0, 0.0, None
     for n in range(1, order + 1):
         coefficient = fma(force[n], force_weight, v[n] * velocity_weight)
         term = (coefficient + drift if n == 1 else coefficient) * power
+        first = term if n == 1 else first
         lowest, highest = term.smaller(0.0) + lowest, term.larger(0.0) + highest
         power = power * length
     ends = [value(row, length, square) for row in (z, v, force)]
-    return {Z: z, V: v, P: p, FORCE: force, STEP: [length, *ends, lowest, highest]}
+    return {Z: z, V: v, P: p, FORCE: force, STEP: [length, *ends, lowest, highest, first]}
 
 
 def _energies(order: int, rows: Any, length: Any, radial_coupling: Any) -> dict[int, list[Any]]:
@@ -132,5 +134,5 @@ def _horner(coefficients: Any, degree: int, t: Any) -> Any:
     return total
 
 
-write_step = unrolled(_step)
+write_step = unrolled(step)
 write_energies = unrolled(_energies)

@@ -10,7 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled, merged
+from ..compilation import compiled, formula, merged
+from ..unrolling import where
 from .body import Body, Physics, STUCK
 from .control import AFRESH, Control, Pace
 from .equations import acceleration_at_no_force, force, force_terms, inverse_mass, moved, pressure_after, retardation
@@ -18,7 +19,19 @@ from .polynomial import horner
 from .recurrence import write_step
 from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, Z
 
-__all__ = ["ORDERS", "ROUNDING", "SHORTENINGS", "TRUST", "expand", "order_for", "state_at", "taylor_step"]
+__all__ = [
+    "ORDERS",
+    "ROUNDING",
+    "SHORTENINGS",
+    "TRUST",
+    "expand",
+    "is_sound",
+    "order_for",
+    "state_at",
+    "step_inputs",
+    "taylor_step",
+    "trusted",
+]
 
 ORDERS = (8, 12, 16, 20)
 # Largest defect of a step, in tolerances: a sound step's is about one.
@@ -48,6 +61,30 @@ def order_for(tolerance: float) -> int:
     return next((order for order in ORDERS if order >= wanted), ORDERS[-1])
 
 
+@formula
+def step_inputs(body: Body, physics: Physics, valve: float, tolerance: float, remaining: float) -> tuple[float, ...]:
+    """What a step's recurrence begins with."""
+    stuck = body.motion == STUCK
+    return (
+        body.deformation,
+        body.velocity,
+        body.pressure,
+        valve,
+        physics.lag_rate,
+        physics.radial_coupling,
+        physics.duffing,
+        physics.damping,
+        inverse_mass(physics, body.motion),
+        acceleration_at_no_force(physics, body.motion),
+        tolerance,
+        remaining,
+        # The event function: the force while the foot sticks, its speed in the direction of motion while it slides.
+        where(stuck, 1.0, 0.0),
+        body.motion * -physics.payload_fraction,
+        where(stuck, 0.0, body.motion * -retardation(physics, body.motion)),
+    )
+
+
 @merged
 def expand(
     body: Body,
@@ -75,25 +112,7 @@ def expand(
     series : (ROWS, WIDTH) array
         Written in place.
     """
-    stuck = body.motion == STUCK
-    inputs = (
-        body.deformation,
-        body.velocity,
-        body.pressure,
-        valve,
-        physics.lag_rate,
-        physics.radial_coupling,
-        physics.duffing,
-        physics.damping,
-        inverse_mass(physics, body.motion),
-        acceleration_at_no_force(physics, body.motion),
-        tolerance,
-        remaining,
-        # The event function: the force while the foot sticks, its speed in the direction of motion while it slides.
-        1.0 if stuck else 0.0,
-        -body.motion * physics.payload_fraction,
-        0.0 if stuck else -body.motion * retardation(physics, body.motion),
-    )
+    inputs = step_inputs(body, physics, valve, tolerance, remaining)
     # Each literal order is compiled on its own.
     if order == 8:
         write_step(8, inputs, series)
@@ -124,11 +143,11 @@ def taylor_step(
     Parameters
     ----------
     opening, body : Body
-        At the start of the hold and of the step.
+        At the start of the valve's present state and of the step.
     physics : Physics
     valve : float
     elapsed, remaining : float
-        Time from the start of the hold, and to its end.
+        Time from `opening`, and to the valve's next turn or the end of the hold.
     control : Control
     pace : Pace
         Of no matter here.
@@ -145,24 +164,47 @@ def taylor_step(
         AFRESH: every series starts anew.
     """
     expand(body, physics, valve, control.order, control.tolerance, remaining, series)
-    if not abs(series[V, control.order + 1]) < np.inf:
-        return np.nan, body, AFRESH
-    yielding = inverse_mass(physics, body.motion)
+    length, end = trusted(opening, body, physics, valve, elapsed, control.tolerance, control.order, series)
+    return length, end, AFRESH
+
+
+@merged
+def trusted(
+    opening: Body,
+    body: Body,
+    physics: Physics,
+    valve: float,
+    elapsed: float,
+    tolerance: float,
+    order: int,
+    series: NDArray[np.float64],
+) -> tuple[float, Body]:
+    """How far an expanded series can be trusted, nan where it is not finite, and the state there; as `taylor_step`."""
     length, z, v = series[STEP, LENGTH], series[STEP, END_Z], series[STEP, END_V]
     expected = series[STEP, END_FORCE]
+    if not abs(series[V, order + 1]) < np.inf:
+        return np.nan, body
     pressure = pressure_after(opening, physics, valve, elapsed + length)
     for _ in range(SHORTENINGS):
-        rounding = ROUNDING * force_terms(physics, z, v)
-        defect = abs(force(physics, z, v, pressure) - expected)
-        if yielding * (defect - rounding) <= TRUST * control.tolerance:
+        if is_sound(physics, body.motion, z, v, pressure, expected, tolerance):
             break
-        shrink = math.exp(math.log(control.tolerance / (yielding * defect)) / (control.order + 1))
+        defect = inverse_mass(physics, body.motion) * abs(force(physics, z, v, pressure) - expected)
+        shrink = math.exp(math.log(tolerance / defect) / (order + 1))
         length *= max(0.25, min(0.9, shrink))
-        z = horner(series[Z], control.order + 1, length)
-        v = horner(series[V], control.order + 1, length)
-        expected = horner(series[FORCE], control.order, length)
+        z = horner(series[Z], order + 1, length)
+        v = horner(series[V], order + 1, length)
+        expected = horner(series[FORCE], order, length)
         pressure = pressure_after(opening, physics, valve, elapsed + length)
-    return length, moved(body, physics, z, v, pressure, length), AFRESH
+    return length, moved(body, physics, z, v, pressure, length)
+
+
+@formula
+def is_sound(
+    physics: Physics, motion: int, z: float, v: float, pressure: float, expected: float, tolerance: float
+) -> bool:
+    """Whether the force at a step's end is the `expected` one of the series but for the tolerance, and rounding."""
+    defect = abs(force(physics, z, v, pressure) - expected) - ROUNDING * force_terms(physics, z, v)
+    return inverse_mass(physics, motion) * defect <= TRUST * tolerance
 
 
 @compiled

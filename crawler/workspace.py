@@ -7,6 +7,7 @@ __all__ = [
     "END_FORCE",
     "END_V",
     "END_Z",
+    "FIRST",
     "FORCE",
     "HIGHEST",
     "LENGTH",
@@ -33,5 +34,5 @@ ROWS = 12
 WIDTH = LARGEST_DEGREE + 2
 Z, V, P, FORCE, STEP, SCRATCH, STAGE_Z, STAGE_V, STAGE_P, STAGE_A, STAGE_F, CORRECTION = range(ROWS)
 # Columns of the row STEP: its length; z, v and F at its end; the least and the greatest that the terms of the event
-# function beyond the constant one can add up to; and the step's energies.
-LENGTH, END_Z, END_V, END_FORCE, LOWEST, HIGHEST, WORK, VISCOUS = range(8)
+# function beyond the constant one can add up to, and the first of these; and the step's energies.
+LENGTH, END_Z, END_V, END_FORCE, LOWEST, HIGHEST, FIRST, WORK, VISCOUS = range(9)

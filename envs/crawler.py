@@ -13,30 +13,16 @@ from numpy.typing import NDArray
 from ..crawler import Groups, Scene
 from ..crawler.body import STUCK
 from ..crawler.control import FINISHED, MAX_STEPS
-from ..crawler.groups import RANGES
-from ..crawler.simulation import solver_error, TOLERANCES
+from ..crawler.simulation import solver_error
 from ..reservoir.prequential import PrequentialMemory
-from ..validation import known_names, number_within, whole_number
+from .calibration import calibrated_memory
 from .rendering import Frame, Renderer
+from .settings import FLIPS, Settings, told
 from .stepping import rest, stepper_for
 
 __all__ = ["StickSlipCrawlerEnv"]
 
-# Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
-_HOLDS = "(0, 10000]"
-# Of delays and of virtual nodes: the readout's covariance has the square of the latter.
-_MOST = 1000
-# Random commands that calibrate the memory readout, enough for the scale of each feature to a few percent; fewer
-# where holds are long, but never fewer than this many.
-_CALIBRATION = 2000
-_CALIBRATION_TIME = 20_000.0
-_LEAST_CALIBRATION = 100
-_CALIBRATION_SEED = 0
-# Flips are drawn from the generator this many at a time, which costs a tenth of drawing each alone.
-_BLOCK = 256
-
 _FOOT = 3  # in the body's array
-_LARGEST = float(np.finfo(np.float32).max)
 
 
 class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
@@ -90,8 +76,8 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
 
     ## Starting State
 
-    At rest, with the valve shut and the foot at 0. With `randomize`, each named group is drawn uniformly from its
-    range at every reset.
+    At rest, with the valve shut and the foot at 0. What `randomize` names is drawn uniformly from its range at every
+    reset.
 
     ## Episode End
 
@@ -100,7 +86,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     ## Information
 
     `step` gives `speed`, `memory`, `distance` (of the foot from its start, z_c), `valve` (u_k), `innovation` (e_k) and
-    `slips` (so far in the episode). `reset` gives `groups`, the episode's own.
+    `slips` (so far in the episode). `reset` gives `groups` and `slope`, the episode's own.
 
     ## Arguments
 
@@ -116,7 +102,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     | `memory_weight` | float          | 0.5     | share of memory in the reward, 0 to 1; above 0 needs dither |
     | `delays`        | int            | 20      | delays read out, 1 to 1000                                  |
     | `virtual_nodes` | int            | 4       | instants of a hold at which the body is read, 1 to 1000     |
-    | `randomize`     | mapping        | None    | group -> (low, high), drawn at each reset                   |
+    | `randomize`     | mapping        | None    | group or "slope" -> (low, high), drawn at each reset        |
     | `render_mode`   | str            | None    | `"human"` or `"rgb_array"`                                  |
 
     ## Version History
@@ -142,37 +128,25 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         randomize: Mapping[str, Sequence[float]] | None = None,
         render_mode: Literal["human", "rgb_array"] | None = None,
     ) -> None:
-        self.groups = Groups.of(groups)
-        self.scene = Scene.of(scene)
-        if self.scene.segments > 1 or self.scene.tube_mass > 0.0:
-            raise ValueError(
-                f"scene of the environment must have segments = 1 and tube_mass = 0, got segments = "
-                f"{self.scene.segments} and tube_mass = {self.scene.tube_mass!r}: use simulate"
-            )
-        self.hold = number_within("hold", hold, _HOLDS)
-        self.tolerance = number_within("tolerance", tolerance, TOLERANCES)
-        self.dither = number_within("dither", dither, "[0, 0.5]")
-        self.memory_weight = number_within("memory_weight", memory_weight, "[0, 1]")
-        self.delays = whole_number("delays", delays, 1, _MOST)
-        self.virtual_nodes = whole_number("virtual_nodes", virtual_nodes, 1, _MOST)
-        self.randomize = _ranges(randomize, self.groups)
-        if self.memory_weight > 0.0 and self.dither == 0.0:
-            raise ValueError(
-                f"dither must be in (0, 0.5] where memory_weight = {self.memory_weight!r} > 0, got {dither!r}: "
-                "without flips there is no message to remember"
-            )
+        self.settings = Settings.of(
+            groups=groups,
+            scene=scene,
+            hold=hold,
+            tolerance=tolerance,
+            dither=dither,
+            memory_weight=memory_weight,
+            delays=delays,
+            virtual_nodes=virtual_nodes,
+            randomize=randomize,
+        )
         if render_mode not in (None, "human", "rgb_array"):
             raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
         self.render_mode = render_mode
 
         self.action_space = spaces.Discrete(2)
-        backward = 0.0 if self.scene.ratchet or self.scene.anchored else -_LARGEST
-        self.observation_space = spaces.Box(
-            np.array([-_LARGEST, -_LARGEST, 0.0, backward, 0.0], np.float32),
-            np.array([_LARGEST, _LARGEST, 1.0, _LARGEST, 1.0], np.float32),
-        )
+        self.observation_space = self.settings.observation_space()
 
-        self._samples = np.empty((5, self.virtual_nodes))
+        self._samples = np.empty((5, self.settings.samples))
         self._states = self._samples[:3].reshape(-1)
         self._memory: PrequentialMemory | None = None
         self._renderer: Renderer | None = None
@@ -199,19 +173,21 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         super().reset(seed=seed)
         if seed is not None or self._body is None:
             self._flips: list[bool] = []
-        if self.dither > 0.0:
+        settings = self.settings
+        if settings.dither > 0.0:
             if self._memory is None:
-                self._memory = self._calibrate()
+                self._memory = calibrated_memory(settings)
             self._memory.reset()
-        drawn = {name: float(self.np_random.uniform(low, high)) for name, (low, high) in self.randomize.items()}
-        self.episode_groups = Groups(**{**self.groups.to_dict(), **drawn})
-        self._stepper = stepper_for(self.episode_groups, self.scene, self.hold, self.tolerance, self.virtual_nodes)
+        self.episode_groups, self.episode_scene = settings.draw(self.np_random)
+        self._stepper = stepper_for(
+            self.episode_groups, self.episode_scene, settings.hold, settings.tolerance, settings.samples
+        )
         self._body = rest()
         self._steps = 0
         self._frame = Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
         if self.render_mode == "human":
             self.render()
-        return np.zeros(5, np.float32), {"groups": self.episode_groups.to_dict()}
+        return np.zeros(5, np.float32), told(self.episode_groups, self.episode_scene)
 
     def step(self, action: int | np.integer) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Hold the valve as commanded, or flipped, for one hold.
@@ -240,7 +216,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         SolverError
             If the motion diverges.
         """
-        body = self._body
+        body, settings = self._body, self.settings
         if body is None:
             raise ResetNeeded("step needs a call of reset first")
         command = self._command(action)
@@ -251,20 +227,19 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         status, elapsed = hold_valve(body, fixed, valve, self._samples, workspace, observation)
         if status != FINISHED:
             self._body = None
-            reached = self._steps * self.hold + elapsed
-            raise solver_error(
-                status, reached, float(body[0]), MAX_STEPS, self.episode_groups, self.scene, self.tolerance, solver
-            )
+            reached = self._steps * settings.hold + elapsed
+            crawler = self.episode_groups, self.episode_scene, settings.tolerance
+            raise solver_error(status, reached, float(body[0]), MAX_STEPS, *crawler, solver)
         self._steps += 1
 
         deformation, _, pressure, foot, _, motion, slips = body.tolist()
-        speed = (foot - start) / self.hold
-        innovation = valve - abs(command - self.dither)
+        speed = (foot - start) / settings.hold
+        innovation = valve - abs(command - settings.dither)
         memory = 0.0 if self._memory is None else self._memory.score(self._states, innovation)
-        reward = (1.0 - self.memory_weight) * speed + self.memory_weight * memory
+        reward = (1.0 - settings.memory_weight) * speed + settings.memory_weight * memory
         if self.render_mode is not None:
             self._frame = Frame(
-                self._steps * self.hold,
+                self._steps * settings.hold,
                 deformation,
                 pressure,
                 foot,
@@ -327,10 +302,10 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
 
     def _flip(self) -> bool:
         """Whether the next command is flipped."""
-        if self.dither == 0.0:
+        if self.settings.dither == 0.0:
             return False
         if not self._flips:
-            self._flips = (self.np_random.random(_BLOCK) < self.dither)[::-1].tolist()
+            self._flips = (self.np_random.random(FLIPS) < self.settings.dither)[::-1].tolist()
         return self._flips.pop()
 
     @staticmethod
@@ -343,59 +318,3 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         if command not in (0, 1):
             raise ValueError(f"action must be 0 or 1, got {action!r}")
         return command
-
-    def _calibrate(self) -> PrequentialMemory:
-        """Memory readout that has seen this body under random commands, dithered as in the episodes."""
-        affordable = int(min(_CALIBRATION_TIME / self.hold, _CALIBRATION))
-        holds = self.delays + max(affordable, _LEAST_CALIBRATION)
-        generator = np.random.default_rng(_CALIBRATION_SEED)
-        commands = generator.integers(0, 2, holds)
-        valves = commands ^ (generator.random(holds) < self.dither)
-        states = np.empty((holds, self._states.size))
-        hold_valve, fixed, workspace, solver = stepper_for(
-            self.groups, self.scene, self.hold, self.tolerance, self.virtual_nodes
-        )
-        body, observation = rest(), np.empty(5, np.float32)
-        for k, valve in enumerate(valves.tolist()):
-            status, elapsed = hold_valve(body, fixed, valve, self._samples, workspace, observation)
-            if status != FINISHED:
-                reached = k * self.hold + elapsed
-                raise solver_error(
-                    status, reached, float(body[0]), MAX_STEPS, self.groups, self.scene, self.tolerance, solver
-                )
-            states[k] = self._states
-        return PrequentialMemory(
-            states,
-            valves - np.abs(commands - self.dither),
-            self.delays,
-            variance=self.dither * (1.0 - self.dither),
-        )
-
-
-def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> dict[str, tuple[float, float]]:
-    """Ranges to draw from, in the order of the groups' fields, after a look at both ends of each."""
-    if randomize is None:
-        return {}
-    if not isinstance(randomize, Mapping):
-        raise TypeError(f"randomize must be a mapping of group to (low, high), got {randomize!r}")
-    known = groups.to_dict()
-    known_names("randomize", randomize, known)
-    for name, given in randomize.items():
-        if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
-            raise ValueError(f"randomize {name} must be a pair (low, high), got {given!r}")
-    ranges = {}
-    for name in known:
-        if name in randomize:
-            low, high = (number_within(f"randomize {name}", end, RANGES[name]) for end in randomize[name])
-            if low > high:
-                raise ValueError(f"randomize {name} must be a pair with low <= high, got {randomize[name]!r}")
-            ranges[name] = (low, high)
-    # The one range that depends on another group: the worst draw of both is refused here, not in some later episode.
-    Groups(
-        **{
-            **known,
-            "static_friction": ranges.get("static_friction", (groups.static_friction,))[0],
-            "kinetic_friction": ranges.get("kinetic_friction", (groups.kinetic_friction,))[-1],
-        }
-    )
-    return ranges

@@ -15,8 +15,9 @@ from types import ModuleType
 from typing import Literal, NamedTuple, TYPE_CHECKING
 
 import numpy as np
-from gymnasium.error import DependencyNotInstalled
 from numpy.typing import NDArray
+
+from .window import import_pygame, Window
 
 if TYPE_CHECKING:
     import pygame
@@ -130,10 +131,9 @@ class Renderer:
 
     def __init__(self, mode: Literal["human", "rgb_array"], fps: int) -> None:
         self.mode = mode
-        self.fps = fps
         self._camera = _Camera()
         self._canvas: _Canvas | None = None
-        self._clock: pygame.time.Clock | None = None
+        self._window = Window(fps)
 
     def draw(self, frame: Frame) -> NDArray[np.uint8] | None:
         """Draw one frame.
@@ -149,42 +149,17 @@ class Renderer:
             The picture, or None in mode "human".
         """
         if self._canvas is None:
-            self._canvas = _Canvas(_import_pygame())
+            self._canvas = _Canvas(import_pygame())
         _compose(self._canvas, frame, self._camera)
         if self.mode == "rgb_array":
             return self._canvas.pixels()
-        self._show(self._canvas)
+        self._window.show(self._canvas.surface)
         return None
 
     def close(self) -> None:
         """Close the window, if there is one. A closed renderer may draw again."""
-        if self._canvas is not None and self._clock is not None:
-            self._canvas.pg.display.quit()
+        self._window.close()
         self._canvas = None
-        self._clock = None
-
-    def _show(self, canvas: _Canvas) -> None:
-        pg = canvas.pg
-        if self._clock is None:
-            self._clock = pg.time.Clock()
-        pg.display.init()
-        # pygame has one window: another environment may have closed or resized it since the last frame.
-        window = pg.display.get_surface()
-        if window is None or window.get_size() != (WIDTH, HEIGHT):
-            window = pg.display.set_mode((WIDTH, HEIGHT))
-            pg.display.set_caption("stickslip")
-        window.blit(canvas.surface, (0, 0))
-        pg.event.pump()
-        self._clock.tick(self.fps)
-        pg.display.flip()
-
-
-def _import_pygame() -> ModuleType:
-    try:
-        import pygame
-    except ImportError as error:
-        raise DependencyNotInstalled('pygame is not installed, run `pip install "stickslip[render]"`') from error
-    return pygame
 
 
 class _Camera:
@@ -298,7 +273,7 @@ class _Canvas:
 
 @cache
 def _font(size: int) -> pygame.font.Font:
-    return _import_pygame().font.Font(None, size)
+    return import_pygame().font.Font(None, size)
 
 
 def _mixed(first: Colour, second: Colour, share: float) -> Colour:

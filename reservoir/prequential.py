@@ -40,6 +40,15 @@ class PrequentialMemory:
     weight : float, > 0
         Samples that the calibration run counts for.
 
+    Attributes
+    ----------
+    first_weights : (delays, features + 1) array
+        Where the readout starts; the last feature is the constant 1.
+    first_covariance : (features + 1, features + 1) array
+    centre, scale : (features,) arrays
+        A feature is (state - centre) * scale.
+    variance : float
+
     Raises
     ------
     ValueError, TypeError
@@ -56,28 +65,30 @@ class PrequentialMemory:
             raise ValueError(
                 f"states and message must have one length above delays = {delays}, got {len(states)} and {len(message)}"
             )
-        self._variance = number_within("variance", variance, "(0, inf)")
+        self.variance = number_within("variance", variance, "(0, inf)")
         weight = number_within("weight", weight, "(0, inf)")
         centre = states.mean(axis=0)
         spread = states.std(axis=0)
-        scale = 1.0 / np.where(spread > 0.0, spread, 1.0)
+        self.centre = centre
+        self.scale = 1.0 / np.where(spread > 0.0, spread, 1.0)
 
-        features = np.column_stack([(states - centre) * scale, np.ones(len(states))])[delays - 1 :]
+        features = np.column_stack([(states - centre) * self.scale, np.ones(len(states))])[delays - 1 :]
         past = np.lib.stride_tricks.sliding_window_view(message, delays)[:, ::-1]
         correlation = features.T @ features / len(features) + _RIDGE * np.eye(features.shape[1])
-        self._first_covariance = np.linalg.inv(weight * correlation)
-        self._first_weights = np.ascontiguousarray(np.linalg.solve(correlation, features.T @ past / len(features)).T)
+        covariance = np.linalg.inv(weight * correlation)
+        self.first_covariance = (covariance + covariance.T) / 2.0  # to the last digit, see `predict_then_learn`
+        self.first_weights = np.ascontiguousarray(np.linalg.solve(correlation, features.T @ past / len(features)).T)
 
         self._rows = np.zeros((4, features.shape[1]))
         self._rows[_CENTRE, :-1] = centre
-        self._rows[_SCALE, :-1] = scale
+        self._rows[_SCALE, :-1] = self.scale
         self.reset()
 
     def reset(self) -> None:
         """Forget all but the calibration run."""
-        self._weights = self._first_weights.copy()
-        self._covariance = self._first_covariance.copy()
-        self._history = np.zeros((2, self._first_weights.shape[0]))
+        self._weights = self.first_weights.copy()
+        self._covariance = self.first_covariance.copy()
+        self._history = np.zeros((2, self.first_weights.shape[0]))
         self._seen = 0
 
     def score(self, state: NDArray[np.float64], innovation: float) -> float:
@@ -103,7 +114,7 @@ class PrequentialMemory:
             state,
             innovation,
             self._rows,
-            self._variance,
+            self.variance,
         )
 
 

@@ -35,6 +35,7 @@ __all__ = [
 register(
     id="StickSlipCrawler-v0",
     entry_point="stickslip.envs:StickSlipCrawlerEnv",
+    vector_entry_point="stickslip.envs:StickSlipCrawlerVectorEnv",
     max_episode_steps=1000,
 )
 

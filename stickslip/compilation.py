@@ -4,8 +4,9 @@ from collections.abc import Callable
 from typing import Any, cast, TypeVar
 
 from numba import njit
+from numba.extending import register_jitable
 
-__all__ = ["OPTIONS", "compiled", "merged"]
+__all__ = ["OPTIONS", "compiled", "formula", "merged"]
 
 OPTIONS: Any = {"nogil": True, "error_model": "numpy"}
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
@@ -41,6 +42,21 @@ def merged(kernel: Kernel) -> Kernel:
     callable
     """
     return _compiled(kernel, {"inline": "always"})
+
+
+def formula(expression: Kernel) -> Kernel:
+    """Let compiled code call an expression that can be traced too (`stickslip.unrolling`).
+
+    Parameters
+    ----------
+    expression : callable
+        Arithmetic without branches: it stays an ordinary function, over anything that adds and multiplies.
+
+    Returns
+    -------
+    callable
+    """
+    return cast("Kernel", register_jitable(**OPTIONS)(expression))
 
 
 def _compiled(kernel: Kernel, options: dict[str, Any]) -> Kernel:

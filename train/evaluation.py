@@ -55,7 +55,8 @@ def measure(
     ----------
     policy : BaseAlgorithm
     environment : StickSlipCrawlerEnv
-        Where it is measured. If it draws its groups, one draw is measured: its `episode_groups` afterwards.
+        Where it is measured. If it draws its groups, one draw is measured: its `episode_groups` and `episode_scene`
+        afterwards.
     steps : int
     seed : int
         Of the flips and the draw.
@@ -66,16 +67,17 @@ def measure(
     command, valve : (steps,) arrays of 0 and 1
     """
     command, valve = roll_out(policy, environment, steps, seed)
+    settings = environment.settings
     result = performance(
         command,
         valve,
-        dither=environment.dither,
+        dither=settings.dither,
         groups=environment.episode_groups,
-        hold=environment.hold,
-        scene=environment.scene,
-        delays=environment.delays,
-        virtual_nodes=environment.virtual_nodes,
-        tolerance=environment.tolerance,
+        hold=settings.hold,
+        scene=environment.episode_scene,
+        delays=settings.delays,
+        virtual_nodes=settings.virtual_nodes,
+        tolerance=settings.tolerance,
     )
     return result, command, valve
 

@@ -66,8 +66,10 @@ def evaluate_run(
     result, command, valve = measure(policy, environment, steps=steps, seed=seed)
 
     summary: dict[str, Any] = {"steps": steps, "speed": result.speed}
-    if environment.randomize:
+    settings = environment.settings
+    if settings.randomize:
         summary["groups drawn"] = environment.episode_groups.to_dict()
+        summary["slope drawn"] = environment.episode_scene.slope
     if result.memory is not None:
         summary["memory capacity"] = result.memory.corrected
         summary["memory capacity, raw"] = result.memory.total
@@ -75,12 +77,12 @@ def evaluate_run(
     # From the middle of the episode, where the start is forgotten.
     middle = slice(steps // 2, steps // 2 + _GAIT_HOLDS)
     summary["commands"] = "".join(str(bit) for bit in command[middle])
-    body: dict[str, Any] = {"scene": environment.scene, "tolerance": environment.tolerance}
-    before = simulate(environment.episode_groups, valve[: middle.start], environment.hold, **body)
+    body: dict[str, Any] = {"scene": environment.episode_scene, "tolerance": settings.tolerance}
+    before = simulate(environment.episode_groups, valve[: middle.start], settings.hold, **body)
     gait = simulate(
         environment.episode_groups,
         valve[middle],
-        environment.hold,
+        settings.hold,
         samples_per_hold=20,
         initial=before.final_state._replace(foot=0.0),
         **body,

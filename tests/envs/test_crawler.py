@@ -81,19 +81,19 @@ def test_it_moves_as_simulated_bit_for_bit(arguments):
     observations, _, _, _, infos = zip(*rollout(env, commands(400)), strict=True)
     valve = [info["valve"] for info in infos]
     motion = simulate(
-        env.groups,
+        env.settings.groups,
         valve,
-        env.hold,
-        scene=env.scene,
-        tolerance=env.tolerance,
-        samples_per_hold=env.virtual_nodes,
+        env.settings.hold,
+        scene=env.settings.scene,
+        tolerance=env.settings.tolerance,
+        samples_per_hold=env.settings.virtual_nodes,
     )
-    ends = slice(env.virtual_nodes - 1, None, env.virtual_nodes)
+    ends = slice(env.settings.virtual_nodes - 1, None, env.settings.virtual_nodes)
     expected = np.column_stack([motion.deformation, motion.velocity, motion.pressure, motion.foot_velocity])[ends]
     np.testing.assert_array_equal(observations, np.column_stack([expected, valve]).astype(np.float32))
     np.testing.assert_array_equal([info["distance"] for info in infos], motion.foot[ends])
     assert infos[-1]["slips"] == motion.slips
-    assert infos[-1]["slips"] > 0 or env.scene.anchored
+    assert infos[-1]["slips"] > 0 or env.settings.scene.anchored
 
 
 def test_a_seed_fixes_the_episode_whatever_came_before():
@@ -177,7 +177,7 @@ def test_the_arguments_survive_json():
     assert kwargs == arguments
     again, loaded = gym.make(env.spec), gym.make(gym.envs.registration.EnvSpec.from_json(env.spec.to_json()))
     for twin in (env, again, loaded, gym.make(NAME, **kwargs)):
-        assert twin.unwrapped.groups == Groups(deborah=1.0)
+        assert twin.unwrapped.settings.groups == Groups(deborah=1.0)
         twin.reset(seed=3)
     steps = rollout(env, commands(50))
     for twin in (again, loaded):

@@ -101,7 +101,9 @@ def test_the_mean_memory_reward_tends_to_the_offline_capacity():
         _, info = episode(schedule(word, 6000), seed=1)
         earned.append(info["memory"].mean())
         _, info = episode(schedule(word, 24_000), seed=2)
-        motion = simulate(gym.make(NAME).unwrapped.groups, info["valve"], 0.5, tolerance=1e-6, samples_per_hold=4)
+        motion = simulate(
+            gym.make(NAME).unwrapped.settings.groups, info["valve"], 0.5, tolerance=1e-6, samples_per_hold=4
+        )
         readings = (motion.deformation, motion.velocity, motion.pressure)
         states = np.hstack([reading.reshape(-1, 4) for reading in readings])
         capacity.append(memory_capacity(states, info["innovation"], 20).corrected)

@@ -1,0 +1,404 @@
+"""Many crawlers, one hold of their valves each: the batched counterpart of `advance_by_method`.
+
+By Taylor series crawlers advance in lanes of vector arithmetic. A lane whose crawler has reached the end of its hold
+takes the next crawler at once, so that none waits for a neighbour that takes more steps. A step on which something
+happens to a crawler, an event or a defect, is taken by the single crawler's own functions.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba.extending import overload
+from numpy.typing import NDArray
+
+from ..compilation import compiled, merged, OPTIONS
+from ..lanes import LANES as BLOCK
+from .advance import is_near, sampled_step
+from .body import Body, Ledger, Physics
+from .control import ClosedForm, Control, DIVERGED, FINISHED, method_of, OUT_OF_STEPS, Radau, Taylor
+from .driving import advance_by_method
+from .events import change_motion, next_event
+from .lane_steps import (
+    COLUMNS,
+    CRAWLER,
+    DONE,
+    ELAPSED,
+    HOLD,
+    LANE_ROWS,
+    LANES,
+    OPENING,
+    PHYSICS,
+    SAMPLE,
+    sample_lanes,
+    SAMPLING,
+    STATE,
+    step_lanes,
+    VALVE,
+)
+from .linear_lanes import advance_anchored_lanes
+from .taylor import trusted
+from .workspace import FORCE, ROWS, STEP, V, WIDTH, Z
+
+__all__ = ["advance_lanes", "lane_workspace"]
+
+_BODY = len(Body._fields)
+_PHYSICS = len(Physics._fields)
+_UNFINISHED = -1
+_CACHE_LINE = 64
+
+
+def lane_workspace() -> NDArray[np.float64]:
+    """Scratch of one thread, at a cache line's start."""
+    shape = LANE_ROWS, COLUMNS, LANES
+    size = int(np.prod(shape))
+    room = np.zeros(size + _CACHE_LINE // 8)
+    skipped = -room.ctypes.data % _CACHE_LINE // 8
+    return room[skipped : skipped + size].reshape(shape)
+
+
+def advance_lanes(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int8],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    """Advance some of n crawlers by one hold each, in compiled code alone.
+
+    Parameters
+    ----------
+    bodies : (7, n) array
+        Fields of `Body` in order, a crawler a column; updated.
+    coefficients : (11, n) array
+        Fields of `Physics` in order.
+    valves : (n,) array
+        0 or 1.
+    skip : (n,) array of bool
+        Crawlers that are left as they are, though in the slice.
+    begin, end : int
+        Slice of crawlers to advance. Threads take disjoint ones.
+    hold : float
+    control : Control
+        Neither energies nor events are kept. Its step budget is each crawler's own.
+    samples : (3, V, n) array
+        Receives z, v, p at the times hold (j + 1) / V.
+    workspace : array of three axes
+        For Taylor series that of `lane_workspace`, one a thread; for the other methods the solver's own, one for each
+        crawler or one for all.
+    statuses : (n,) array of int8
+        Receives FINISHED, DIVERGED or OUT_OF_STEPS.
+    elapsed : (n,) array
+        Receives the time into the hold that was reached.
+    """
+    raise NotImplementedError
+
+
+@overload(advance_lanes, jit_options=OPTIONS)
+def _compiled_lanes(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int8],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> Any:
+    kernels: dict[type, Any] = {Taylor: _in_lanes, Radau: _one_by_one, ClosedForm: _in_closed_form}
+    return kernels[method_of(control)].py_func
+
+
+@compiled
+def _in_closed_form(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int8],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    alike = len(workspace) == 1
+    physics = physics_of(coefficients, begin)
+    opened = np.empty(BLOCK)
+    first = begin
+    while first < end:
+        last = min(first + BLOCK, end)
+        if alike and physics.anchored and last == first + BLOCK and not skip[first:last].any():
+            for lane in range(BLOCK):
+                opened[lane] = valves[first + lane]
+            advance_anchored_lanes(first, physics, bodies, opened, hold, samples, workspace[0], statuses, elapsed)
+        else:
+            _one_by_one(
+                bodies,
+                coefficients,
+                valves,
+                skip,
+                first,
+                last,
+                hold,
+                control,
+                samples,
+                workspace,
+                statuses,
+                elapsed,
+            )
+        first = last
+
+
+@compiled
+def _one_by_one(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int8],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    count = samples.shape[1]
+    own = np.empty((5, count))
+    unlogged = np.empty((0, 2))
+    for i in range(begin, end):
+        if skip[i]:
+            continue
+        outcome = advance_by_method(
+            body_of(bodies, i),
+            Ledger(0.0, 0.0, 0.0),
+            physics_of(coefficients, i),
+            float(valves[i]),
+            hold,
+            control,
+            0.0,
+            own,
+            unlogged,
+            workspace[i if len(workspace) > 1 else 0],
+        )
+        write_body(outcome.body, bodies, i)
+        for j in range(count):
+            for row in range(3):
+                samples[row, j, i] = own[row, j]
+        statuses[i] = outcome.status
+        elapsed[i] = outcome.elapsed
+
+
+@compiled
+def body_of(bodies: NDArray[np.float64], i: int) -> Body:
+    """The body in a column."""
+    return Body(
+        bodies[0, i], bodies[1, i], bodies[2, i], bodies[3, i], bodies[4, i], int(bodies[5, i]), int(bodies[6, i])
+    )
+
+
+@compiled
+def write_body(body: Body, bodies: NDArray[np.float64], i: int) -> None:
+    """Put the body into a column."""
+    bodies[0, i] = body.deformation
+    bodies[1, i] = body.velocity
+    bodies[2, i] = body.pressure
+    bodies[3, i] = body.foot
+    bodies[4, i] = body.foot_velocity
+    bodies[5, i] = body.motion
+    bodies[6, i] = body.slips
+
+
+@compiled
+def physics_of(coefficients: NDArray[np.float64], i: int) -> Physics:
+    """The coefficients in a column."""
+    return Physics(
+        coefficients[0, i],
+        coefficients[1, i],
+        coefficients[2, i],
+        coefficients[3, i],
+        coefficients[4, i],
+        coefficients[5, i],
+        coefficients[6, i],
+        coefficients[7, i],
+        coefficients[8, i],
+        coefficients[9, i] != 0.0,
+        coefficients[10, i] != 0.0,
+    )
+
+
+@compiled
+def _in_lanes(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int8],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    lanes = workspace
+    order, tolerance = control.order, control.tolerance
+    count = samples.shape[1]
+    series = np.empty((ROWS, WIDTH))
+    own = np.empty((5, count))
+    steps = np.zeros(LANES, np.int64)
+    queue = begin
+    while queue < end and skip[queue]:
+        queue += 1
+    if queue == end:
+        return
+    active = 0
+    for lane in range(LANES):
+        # Without enough crawlers the lanes left over idle on the first.
+        _load(queue if queue < end else begin, bodies, coefficients, valves, lanes, lane)
+        if queue < end:
+            active |= 1 << lane
+            queue += 1
+            while queue < end and skip[queue]:
+                queue += 1
+
+    while active:
+        calm, last, due = _step_by_order(order, tolerance, hold, float(count), lanes)
+        calm &= active
+        due &= active
+        while due:
+            (more,) = _sample_by_order(order, hold, float(count), lanes)
+            for lane in range(LANES):
+                if (due >> lane) & 1:
+                    i = int(lanes[HOLD, CRAWLER, lane])
+                    j = int(lanes[SAMPLING, DONE, lane]) - 1
+                    for row in range(3):
+                        samples[row, j, i] = lanes[SAMPLE, row, lane]
+            due &= more
+        for lane in range(LANES):
+            if not (active >> lane) & 1:
+                continue
+            status = _UNFINISHED
+            if not (calm >> lane) & 1:
+                status = _step_alone(hold, control, lanes, lane, series, own, samples)
+            elif (last >> lane) & 1:
+                status = FINISHED
+            steps[lane] += 1
+            if status == _UNFINISHED and steps[lane] >= control.max_steps:
+                status = OUT_OF_STEPS
+            if status == _UNFINISHED:
+                continue
+            i = int(lanes[HOLD, CRAWLER, lane])
+            for row in range(_BODY):
+                bodies[row, i] = lanes[STATE, row, lane]
+            statuses[i] = status
+            elapsed[i] = lanes[STATE, ELAPSED, lane]
+            if queue < end:
+                _load(queue, bodies, coefficients, valves, lanes, lane)
+                steps[lane] = 0
+                queue += 1
+                while queue < end and skip[queue]:
+                    queue += 1
+            else:
+                active &= ~(1 << lane)
+
+
+@compiled
+def _load(
+    i: int,
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int8],
+    lanes: NDArray[np.float64],
+    lane: int,
+) -> None:
+    for row in range(_BODY):
+        lanes[STATE, row, lane] = bodies[row, i]
+    for row in range(_PHYSICS):
+        lanes[PHYSICS, row, lane] = coefficients[row, i]
+    lanes[STATE, ELAPSED, lane] = 0.0
+    lanes[HOLD, OPENING, lane] = bodies[2, i]
+    lanes[HOLD, VALVE, lane] = valves[i]
+    lanes[HOLD, CRAWLER, lane] = i
+    lanes[SAMPLING, DONE, lane] = 0.0
+
+
+@merged
+def _step_by_order(order, tolerance, hold, count, lanes):
+    inputs = tolerance, hold, count
+    if order == 8:
+        return step_lanes(8, inputs, lanes)
+    if order == 12:
+        return step_lanes(12, inputs, lanes)
+    if order == 16:
+        return step_lanes(16, inputs, lanes)
+    return step_lanes(20, inputs, lanes)
+
+
+@merged
+def _sample_by_order(order, hold, count, lanes):
+    inputs = hold, count
+    if order == 8:
+        return sample_lanes(8, inputs, lanes)
+    if order == 12:
+        return sample_lanes(12, inputs, lanes)
+    if order == 16:
+        return sample_lanes(16, inputs, lanes)
+    return sample_lanes(20, inputs, lanes)
+
+
+@compiled
+def _step_alone(
+    hold: float,
+    control: Control,
+    lanes: NDArray[np.float64],
+    lane: int,
+    series: NDArray[np.float64],
+    own: NDArray[np.float64],
+    samples: NDArray[np.float64],
+) -> int:
+    """Take a lane's step as `advance` would, from the series that the lane has; return the status."""
+    order = control.order
+    for row in (Z, V, FORCE, STEP):
+        for n in range(order + 2):
+            series[row, n] = lanes[row, n, lane]
+    physics = physics_of(lanes[PHYSICS], lane)
+    body = body_of(lanes[STATE], lane)
+    before = lanes[STATE, ELAPSED, lane]
+    valve = lanes[HOLD, VALVE, lane]
+    opening = Body(body.deformation, body.velocity, lanes[HOLD, OPENING, lane], body.foot, 0.0, 0, 0)
+    longest, end = trusted(opening, body, physics, valve, before, control.tolerance, order, series)
+    if not longest >= 0.0:
+        return DIVERGED
+    length, motion = next_event(body, physics, valve, order, longest, series)
+    taken = int(lanes[SAMPLING, DONE, lane])
+    following, reached, done, last = sampled_step(
+        opening, body, physics, valve, hold, 0.0, hold, before, order, longest, end, length, motion, taken, own, series
+    )
+    i = int(lanes[HOLD, CRAWLER, lane])
+    for j in range(taken, done):
+        for row in range(3):
+            samples[row, j, i] = own[row, j]
+    if not is_near(following):
+        return DIVERGED
+    if motion != body.motion:
+        following = change_motion(following, motion, physics)
+    write_body(following, lanes[STATE], lane)
+    lanes[STATE, ELAPSED, lane] = reached
+    lanes[SAMPLING, DONE, lane] = done
+    return FINISHED if last else _UNFINISHED

@@ -1,0 +1,209 @@
+"""One step of many crawlers: compiled, in structures of arrays, eight crawlers side by side."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..compilation import compiled
+from ..crawler.body import Body, Physics
+from ..crawler.control import ClosedForm, Control, FINISHED, Method, Radau, Taylor
+from ..crawler.lanes import advance_lanes
+from ..lanes import aligned_zeros, LANES
+from ..reservoir.prequential_lanes import Readouts, score_lanes
+from .settings import FLIPS
+
+__all__ = ["STEP_BATCH", "Batch", "Results", "Reward", "batch_of"]
+
+_FOOT, _SLIPS = 3, 6
+Array = NDArray[np.float64]
+
+
+class Batch(NamedTuple):
+    """State of n crawlers; `width` is n rounded up to whole blocks of LANES."""
+
+    bodies: Array  # (7, width): the fields of `Body`
+    coefficients: Array  # (11, width): the fields of `Physics`
+    samples: Array  # (3, samples, width): z, v, p in the last hold
+    flips: NDArray[np.bool_]  # (n, FLIPS): of the coming commands
+    drawn: NDArray[np.int64]  # (n,): flips used up
+    valves: NDArray[np.int64]  # (width,): in the last hold
+    starts: Array  # (width,): where the foot was before it
+    scores: Array  # (width,): innovations, then what they earned
+    steps: NDArray[np.int64]  # (n,): of the episode
+
+
+class Results(NamedTuple):
+    """What a step answers, each of n."""
+
+    observations: NDArray[np.float32]  # (n, 5)
+    rewards: Array
+    truncations: NDArray[np.bool_]
+    speed: Array
+    memory: Array
+    distance: Array
+    valve: NDArray[np.int64]
+    innovation: Array
+    slips: NDArray[np.int64]
+    statuses: NDArray[np.int8]
+    elapsed: Array
+
+
+class Reward(NamedTuple):
+    """What the reward is made of, the same for all."""
+
+    hold: float
+    dither: float
+    memory_weight: float
+    longest: int  # steps of an episode
+
+
+def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
+    """A batch of crawlers, and a place for its results, all zero."""
+    width = -(-count // LANES) * LANES
+    batch = Batch(
+        aligned_zeros(len(Body._fields), width),
+        aligned_zeros(len(Physics._fields), width),
+        aligned_zeros(3, samples, width),
+        np.zeros((count, FLIPS), np.bool_),
+        np.full(count, FLIPS),
+        np.zeros(width, np.int64),
+        aligned_zeros(width),
+        aligned_zeros(width),
+        np.zeros(count, np.int64),
+    )
+    kinds = (float, bool, float, float, float, int, float, int, np.int8, float)
+    return batch, Results(np.zeros((count, 5), np.float32), *(np.zeros(count, kind) for kind in kinds))
+
+
+@compiled
+def _step_batch(
+    method: Method,
+    begin: int,
+    end: int,
+    opens: bool,
+    closes: bool,
+    commands: NDArray[np.int64],
+    idle: NDArray[np.bool_],
+    skipped: NDArray[np.bool_],
+    batch: Batch,
+    readouts: Readouts | None,
+    reward: Reward,
+    tolerance: float,
+    order: int,
+    max_steps: int,
+    workspaces: Array,
+    scratch: Array,
+    results: Results,
+) -> None:
+    """Hold the valves of a slice of the batch for one step, in place.
+
+    Parameters
+    ----------
+    method : Method
+        Of the crawlers that are not `skipped`.
+    begin, end : int
+        The slice, which begins a block of LANES.
+    opens, closes : bool
+        Whether this is the first, and the last, of the methods that the slice needs.
+    commands : (n,) array
+        0 or 1.
+    idle : (n,) array
+        Crawlers that sit the step out, whose results are those of a reset.
+    skipped : (n,) array
+        Crawlers that this method does not move: the idle ones, and those of other methods.
+    batch : Batch
+    readouts : Readouts or None
+        None where the dither is 0: there is no message, and nothing to score.
+    reward : Reward
+    tolerance, order, max_steps
+        As in `Control`.
+    workspaces : array
+        As `advance_lanes` wants them.
+    scratch : (2, features + 1, LANES) array
+    results : Results
+        Where a status is not FINISHED the rest does not count.
+    """
+    hold, dither = reward.hold, reward.dither
+    if opens:
+        for i in range(begin, end):
+            batch.scores[i] = 0.0
+            results.statuses[i] = FINISHED
+            if idle[i]:
+                continue
+            valve = commands[i]
+            if dither > 0.0:
+                valve ^= batch.flips[i, batch.drawn[i]]
+                batch.drawn[i] += 1
+            batch.valves[i] = valve
+            batch.starts[i] = batch.bodies[_FOOT, i]
+            batch.scores[i] = valve - abs(commands[i] - dither)
+            results.innovation[i] = batch.scores[i]
+    control = Control(tolerance, order, max_steps, False, False, method)
+    advance_lanes(
+        batch.bodies,
+        batch.coefficients,
+        batch.valves,
+        skipped,
+        begin,
+        end,
+        hold,
+        control,
+        batch.samples,
+        workspaces,
+        results.statuses,
+        results.elapsed,
+    )
+    if not closes:
+        return
+    width = batch.bodies.shape[1]
+    if readouts is not None:
+        for block in range(begin // LANES, (end + LANES - 1) // LANES):
+            score_lanes(readouts, block, batch.samples, block * LANES, width, batch.scores, scratch)
+    for i in range(begin, end):
+        if idle[i]:
+            results.observations[i] = 0.0
+            results.rewards[i] = 0.0
+            results.truncations[i] = False
+            continue
+        foot = batch.bodies[_FOOT, i]
+        speed = (foot - batch.starts[i]) / hold
+        memory = batch.scores[i] if readouts is not None else 0.0
+        observation = results.observations[i]
+        observation[0] = batch.bodies[0, i]
+        observation[1] = batch.bodies[1, i]
+        observation[2] = batch.bodies[2, i]
+        observation[3] = batch.bodies[4, i]
+        observation[4] = batch.valves[i]
+        batch.steps[i] += 1
+        results.rewards[i] = (1.0 - reward.memory_weight) * speed + reward.memory_weight * memory
+        results.truncations[i] = batch.steps[i] >= reward.longest
+        results.speed[i] = speed
+        results.memory[i] = memory
+        results.distance[i] = foot
+        results.valve[i] = batch.valves[i]
+        results.slips[i] = int(batch.bodies[_SLIPS, i])
+
+
+# A method cannot be an argument from Python: its type is what the kernel is compiled for.
+@compiled
+def _step_by_taylor(*arguments: Any) -> None:
+    _step_batch(Taylor(), *arguments)
+
+
+@compiled
+def _step_by_radau(*arguments: Any) -> None:
+    _step_batch(Radau(), *arguments)
+
+
+@compiled
+def _step_in_closed_form(*arguments: Any) -> None:
+    _step_batch(ClosedForm(), *arguments)
+
+
+STEP_BATCH: dict[str, Callable[..., None]] = {
+    "taylor": _step_by_taylor,
+    "radau": _step_by_radau,
+    "closed_form": _step_in_closed_form,
+}

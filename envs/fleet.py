@@ -1,0 +1,255 @@
+"""Many crawlers, each with its own world, flips and memory: what a batched environment steps."""
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from gymnasium.utils import seeding
+from numpy.typing import NDArray
+
+from ..crawler import Groups, Scene
+from ..crawler.body import Body, STUCK
+from ..crawler.control import MAX_STEPS
+from ..crawler.lanes import lane_workspace
+from ..crawler.simulation import solver_error, SolverError
+from ..crawler.solvers import SOLVERS
+from ..crawler.workspace import ROWS, WIDTH
+from ..lanes import aligned_zeros, LANES
+from ..reservoir.prequential_lanes import forget, Readouts, readouts_of
+from .batch import batch_of, Reward, STEP_BATCH
+from .calibration import calibrated_memory
+from .rendering import Frame
+from .settings import FLIPS, Settings
+from .stepping import Stepper, stepper_for
+
+__all__ = ["Fleet"]
+
+# Fewer crawlers than this are stepped before another thread has woken.
+_LEAST_A_THREAD = 128
+_SLOPE = len(Groups.__slots__)
+
+
+class _Slice(NamedTuple):
+    """What one thread steps, and what it works on."""
+
+    begin: int
+    end: int
+    workspaces: dict[str, NDArray[np.float64]]  # by solver
+    scratch: NDArray[np.float64]
+
+
+class Fleet:
+    """Crawlers that are stepped together.
+
+    Parameters
+    ----------
+    kinds : sequence of Settings
+        Alike but for the groups.
+    kind : (crawlers,) array of int
+        Which of them is whose.
+    longest : int
+        Steps of an episode.
+    threads : int
+        Most that share a step.
+
+    Attributes
+    ----------
+    batch, results
+        See `Batch` and `Results`.
+    crawlers : list of (Groups, Scene)
+        Of the episodes.
+    drawn : (8, crawlers) array
+        The same as numbers: the groups, then the slope.
+    generators : list of numpy.random.Generator
+        Of each crawler's draws.
+    seeds : list of int
+    """
+
+    def __init__(self, kinds: Sequence[Settings], kind: NDArray[np.int64], longest: int, threads: int) -> None:
+        self._kinds, self._kind = kinds, kind
+        settings = self._settings = kinds[0]
+        self._alike = len(kinds) == 1 and not settings.randomize
+        count = len(kind)
+        self._reward = Reward(settings.hold, settings.dither, settings.memory_weight, longest)
+        self.batch, self.results = batch_of(count, settings.samples)
+        self.generators: list[np.random.Generator | None] = [None] * count
+        self.seeds: list[int | None] = [None] * count
+        self.crawlers: list[tuple[Groups, Scene] | None] = [None] * count
+        self.drawn = np.zeros((_SLOPE + 1, count))
+        self._solvers = np.full(count, "", np.dtype("U11"))
+        self._tables: NDArray[np.float64] | None = None
+        self._readouts: Readouts | None = None
+
+        blocks = self.batch.bodies.shape[1] // LANES
+        parts = max(1, min(threads, count // _LEAST_A_THREAD))
+        ends = [min(count, LANES * (blocks * part // parts)) for part in range(parts + 1)]
+        self._slices = [
+            _Slice(
+                begin,
+                end,
+                {"taylor": lane_workspace(), "radau": np.empty((1, ROWS, WIDTH))},
+                aligned_zeros(2, settings.features + 1, LANES),
+            )
+            for begin, end in pairwise(ends)
+        ]
+        self._executor: ThreadPoolExecutor | None = None
+        self._process = os.getpid()
+
+    def begin(self, mask: NDArray[np.bool_], seeds: Sequence[int | None], *, anew: bool) -> None:
+        """Start the episodes of the crawlers in the mask.
+
+        Parameters
+        ----------
+        mask : (crawlers,) array of bool
+        seeds : (crawlers,) sequence
+            None goes on with the random numbers as they come.
+        anew : bool
+            Whether this is the start, or one after an error.
+
+        Raises
+        ------
+        SolverError
+            If a motion diverges while its memory readout is calibrated.
+        """
+        for i in np.flatnonzero(mask).tolist():
+            if seeds[i] is not None or self.generators[i] is None:
+                self.generators[i], self.seeds[i] = seeding.np_random(seeds[i])
+                self.batch.drawn[i] = FLIPS
+        if anew:
+            self.batch.drawn[:] = FLIPS
+        if self._readouts is None and self._settings.dither > 0.0:
+            self._readouts = readouts_of([calibrated_memory(kind) for kind in self._kinds], self._kind)
+        self.begin_again(mask)
+
+    def begin_again(self, mask: NDArray[np.bool_]) -> None:
+        """Start further episodes of the crawlers in the mask."""
+        if self._settings.randomize or self._solvers[0] == "":
+            self._draw(np.flatnonzero(mask).tolist())
+        self.batch.bodies[:, : len(mask)][:, mask] = 0.0
+        self.batch.steps[mask] = 0
+        self.results.observations[mask] = 0.0
+        if self._readouts is not None:
+            forget(self._readouts, mask)
+
+    def step(self, commands: NDArray[np.int64], idle: NDArray[np.bool_]) -> None:
+        """Step all but the idle, and write down the results.
+
+        Parameters
+        ----------
+        commands : (crawlers,) array
+            Each 0 or 1.
+        idle : (crawlers,) array of bool
+
+        Raises
+        ------
+        SolverError
+            If a motion diverges.
+        """
+        self._draw_flips(idle)
+        first, *rest = self._slices
+        others = [self._threads().submit(self._step_slice, commands, idle, each) for each in rest]
+        self._step_slice(commands, idle, first)
+        for other in others:
+            other.result()
+        if np.count_nonzero(self.results.statuses):
+            raise self._error(int(np.flatnonzero(self.results.statuses)[0]))
+
+    def frame(self, i: int) -> Frame:
+        """What a picture of crawler `i` shows."""
+        steps, told = int(self.batch.steps[i]), self.results
+        if steps == 0:
+            return Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
+        body = Body(*self.batch.bodies[:, i].tolist())
+        return Frame(
+            steps * self._settings.hold,
+            body.deformation,
+            body.pressure,
+            body.foot,
+            int(body.motion),
+            body.foot != self.batch.starts[i],
+            int(told.valve[i]),
+            float(told.speed[i]),
+            None if self._readouts is None else float(told.memory[i]),
+        )
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._executor is not None and self._process == os.getpid():
+            self._executor.shutdown()
+        self._executor = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Threads cannot be copied; the copy starts its own.
+        return {**self.__dict__, "_executor": None}
+
+    def _draw(self, indices: list[int]) -> None:
+        """Settle who crawls where in the episodes to come, and which solver takes whom."""
+        settings = self._settings
+        solving: dict[tuple[Groups, Scene], Stepper] = {}
+        for i in indices:
+            crawler = self._kinds[self._kind[i]].draw(self.generators[i])
+            if crawler not in solving:
+                solving[crawler] = stepper_for(*crawler, settings.hold, settings.tolerance, settings.samples)
+            stepper = solving[crawler]
+            self.crawlers[i] = crawler
+            self.drawn[:, i] = *crawler[0].to_dict().values(), crawler[1].slope
+            self.batch.coefficients[:, i] = stepper.fixed[: len(self.batch.coefficients)]
+            self._solvers[i] = stepper.solver
+            if stepper.solver == "closed_form":
+                places = 1 if self._alike else len(self._kind)
+                if self._tables is None:
+                    self._tables = np.zeros((places, *stepper.workspace.shape))
+                self._tables[i % places] = stepper.workspace
+        names = sorted(set(self._solvers.tolist()))
+        self._methods = [
+            (name, None if len(names) == 1 else self._solvers != name, SOLVERS[name].control(settings.tolerance))
+            for name in names
+        ]
+
+    def _draw_flips(self, idle: NDArray[np.bool_]) -> None:
+        """Draw the flips of those who have used theirs up, at the step at which a single environment does."""
+        if self._settings.dither > 0.0:
+            empty = self.batch.drawn == FLIPS
+            for i in np.flatnonzero(empty & ~idle).tolist() if np.count_nonzero(empty) else ():
+                self.batch.flips[i] = self.generators[i].random(FLIPS) < self._settings.dither
+                self.batch.drawn[i] = 0
+
+    def _threads(self) -> ThreadPoolExecutor:
+        if self._executor is None or self._process != os.getpid():  # a forked process has none of its parent's threads
+            self._executor = ThreadPoolExecutor(len(self._slices) - 1, "stickslip")
+            self._process = os.getpid()
+        return self._executor
+
+    def _step_slice(self, commands: NDArray[np.int64], idle: NDArray[np.bool_], part: _Slice) -> None:
+        for k, (name, others, control) in enumerate(self._methods):
+            STEP_BATCH[name](
+                part.begin,
+                part.end,
+                k == 0,
+                k == len(self._methods) - 1,
+                commands,
+                idle,
+                idle if others is None else idle | others,
+                self.batch,
+                self._readouts,
+                self._reward,
+                control.tolerance,
+                control.order,
+                control.max_steps,
+                self._tables if name == "closed_form" else part.workspaces[name],
+                part.scratch,
+                self.results,
+            )
+
+    def _error(self, i: int) -> SolverError:
+        """Why the first crawler that failed did."""
+        holds = self.batch.steps[i] - 1  # without the one that failed
+        reached = float(holds * self._settings.hold + self.results.elapsed[i])
+        deformation = float(self.batch.bodies[0, i])
+        status, tolerance, solver = int(self.results.statuses[i]), self._settings.tolerance, str(self._solvers[i])
+        groups, scene = self.crawlers[i]
+        error = solver_error(status, reached, deformation, MAX_STEPS, groups, scene, tolerance, solver)
+        return SolverError(f"sub-environment {i}: {error}")

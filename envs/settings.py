@@ -1,0 +1,143 @@
+"""What fixes an environment, single or batched: its arguments, checked once."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from ..crawler import Groups, Scene
+from ..crawler.groups import RANGES
+from ..crawler.simulation import TOLERANCES
+from ..validation import known_names, number_within, whole_number
+
+__all__ = ["FLIPS", "Settings", "told"]
+
+# Flips are drawn from the generator this many at a time, which costs a tenth of drawing each alone.
+FLIPS = 256
+
+# Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
+_HOLDS = "(0, 10000]"
+# Of delays and of virtual nodes: the readout's covariance has the square of the latter.
+_MOST = 1000
+_SLOPE = "slope"
+_LARGEST = float(np.finfo(np.float32).max)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Arguments of an environment, as its class documents them, in the form that the rest of the code uses."""
+
+    groups: Groups
+    scene: Scene
+    hold: float
+    tolerance: float
+    dither: float
+    memory_weight: float
+    delays: int
+    virtual_nodes: int
+    randomize: Mapping[str, tuple[float, float]]  # in the order of the groups' fields, the slope last
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        groups: str | Mapping[str, float] | Groups | None = None,
+        scene: Mapping[str, Any] | Scene | None = None,
+        hold: float = 0.5,
+        tolerance: float = 1e-6,
+        dither: float = 0.1,
+        memory_weight: float = 0.5,
+        delays: int = 20,
+        virtual_nodes: int = 4,
+        randomize: Mapping[str, Sequence[float]] | None = None,
+    ) -> "Settings":
+        """Check the arguments.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If one is out of range or of the wrong type; the message names it.
+        """
+        groups, scene = Groups.of(groups), Scene.of(scene)
+        if scene.segments > 1 or scene.tube_mass > 0.0:
+            raise ValueError(
+                f"scene of the environment must have segments = 1 and tube_mass = 0, got segments = "
+                f"{scene.segments} and tube_mass = {scene.tube_mass!r}: use simulate"
+            )
+        settings = cls(
+            groups,
+            scene,
+            number_within("hold", hold, _HOLDS),
+            number_within("tolerance", tolerance, TOLERANCES),
+            number_within("dither", dither, "[0, 0.5]"),
+            number_within("memory_weight", memory_weight, "[0, 1]"),
+            whole_number("delays", delays, 1, _MOST),
+            whole_number("virtual_nodes", virtual_nodes, 1, _MOST),
+            _ranges(randomize, groups),
+        )
+        if settings.memory_weight > 0.0 and settings.dither == 0.0:
+            raise ValueError(
+                f"dither must be in (0, 0.5] where memory_weight = {settings.memory_weight!r} > 0, got {dither!r}: "
+                "without flips there is no message to remember"
+            )
+        return settings
+
+    @property
+    def features(self) -> int:
+        """Of the memory readout: deformation, rate and pressure at each virtual node."""
+        return 3 * self.virtual_nodes
+
+    @property
+    def samples(self) -> int:
+        """Of the body in a hold: where there is no message nobody reads them, and one is enough."""
+        return self.virtual_nodes if self.dither > 0.0 else 1
+
+    def observation_space(self) -> spaces.Box:
+        """Space of deformation, rate, pressure, foot velocity and valve."""
+        backward = 0.0 if self.scene.ratchet or self.scene.anchored else -_LARGEST
+        return spaces.Box(
+            np.array([-_LARGEST, -_LARGEST, 0.0, backward, 0.0], np.float32),
+            np.array([_LARGEST, _LARGEST, 1.0, _LARGEST, 1.0], np.float32),
+        )
+
+    def draw(self, generator: np.random.Generator) -> tuple[Groups, Scene]:
+        """Crawler and world of an episode."""
+        if not self.randomize:
+            return self.groups, self.scene
+        drawn = {name: float(generator.uniform(low, high)) for name, (low, high) in self.randomize.items()}
+        slope = drawn.pop(_SLOPE, self.scene.slope)
+        return replace(self.groups, **drawn), replace(self.scene, slope=slope)
+
+
+def told(groups: Groups, scene: Scene) -> dict[str, Any]:
+    """What `reset` tells of an episode's crawler and world."""
+    return {"groups": groups.to_dict(), "slope": scene.slope}
+
+
+def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> dict[str, tuple[float, float]]:
+    """Ranges to draw from, after a look at both ends of each."""
+    if randomize is None:
+        return {}
+    if not isinstance(randomize, Mapping):
+        raise TypeError(f"randomize must be a mapping of group to (low, high), got {randomize!r}")
+    allowed = {**RANGES, _SLOPE: "(-inf, inf)"}
+    known_names("randomize", randomize, allowed)
+    for name, given in randomize.items():
+        if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
+            raise ValueError(f"randomize {name} must be a pair (low, high), got {given!r}")
+    ranges = {}
+    for name, interval in allowed.items():
+        if name in randomize:
+            low, high = (number_within(f"randomize {name}", end, interval) for end in randomize[name])
+            if low > high or high - low == np.inf:
+                raise ValueError(f"randomize {name} must be a pair with low <= high, got {randomize[name]!r}")
+            ranges[name] = (low, high)
+    # The one range that depends on another group: the worst draw of both is refused here, not in some later episode.
+    replace(
+        groups,
+        static_friction=ranges.get("static_friction", (groups.static_friction,))[0],
+        kinetic_friction=ranges.get("kinetic_friction", (groups.kinetic_friction,))[-1],
+    )
+    return ranges

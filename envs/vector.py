@@ -1,0 +1,365 @@
+"""StickSlipCrawler-v0 in a batch: thousands of crawlers, one compiled call a step."""
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from ..crawler import Groups, Scene
+from ..validation import whole_number
+from .crawler import StickSlipCrawlerEnv
+from .fleet import Fleet
+from .settings import Settings
+from .tiling import Tiles
+
+__all__ = ["StickSlipCrawlerVectorEnv"]
+
+_INFOS = ("speed", "memory", "distance", "valve", "innovation", "slips")
+
+
+class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64], NDArray[Any]]):
+    """A batch of `StickSlipCrawlerEnv`, stepped together.
+
+    ``gymnasium.make_vec("StickSlipCrawler-v0", num_envs=n)`` makes it. Sub-environment i does what a single environment
+    reset with ``seed + i`` does, to the last bit: observations, rewards, infos and flips, in any batch, on any number
+    of threads, after any resets. Actions, observations, rewards and infos of one sub-environment are those that
+    `StickSlipCrawlerEnv` documents; here they are arrays whose first axis is the sub-environment, and infos come in
+    Gymnasium's vector form, each beside the mask of those that have it.
+
+    Parameters
+    ----------
+    num_envs : int, >= 1
+    groups : str, mapping or Groups, or a sequence of num_envs of these
+        As in `StickSlipCrawlerEnv`; a sequence gives each sub-environment its own.
+    scene, hold, tolerance, dither, memory_weight, delays, virtual_nodes, randomize
+        As in `StickSlipCrawlerEnv`.
+    max_episode_steps : int, optional
+        Steps after which an episode is truncated; None or -1 for never. `make_vec` sets 1000.
+    autoreset_mode : AutoresetMode or str
+        What follows the end of an episode: "NextStep" ignores the next action and returns the first observation of the
+        next episode instead, "SameStep" does so at once and tells the last one as ``infos["final_obs"]``, "Disabled"
+        waits for ``reset(options={"reset_mask": mask})``.
+    copy : bool
+        Whether every call returns arrays of its own. Otherwise the next call overwrites them.
+    threads : int, optional
+        Most threads that share a step; as many as there are processors to run on by default.
+    render_mode : {"human", "rgb_array"}, optional
+    rendered : sequence of int, optional
+        Sub-environments that `render` draws; all by default.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range or of the wrong type; the message names it.
+    """
+
+    metadata: dict[str, Any] = StickSlipCrawlerEnv.metadata
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        groups: str | Mapping[str, float] | Groups | Sequence[str | Mapping[str, float] | Groups] | None = None,
+        scene: Mapping[str, Any] | Scene | None = None,
+        hold: float = 0.5,
+        tolerance: float = 1e-6,
+        dither: float = 0.1,
+        memory_weight: float = 0.5,
+        delays: int = 20,
+        virtual_nodes: int = 4,
+        randomize: Mapping[str, Sequence[float]] | None = None,
+        max_episode_steps: int | None = 1000,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        copy: bool = True,
+        threads: int | None = None,
+        render_mode: Literal["human", "rgb_array"] | None = None,
+        rendered: Sequence[int] | None = None,
+    ) -> None:
+        self.num_envs = whole_number("num_envs", num_envs, 1)
+        arguments: dict[str, Any] = {
+            "scene": scene,
+            "hold": hold,
+            "tolerance": tolerance,
+            "dither": dither,
+            "memory_weight": memory_weight,
+            "delays": delays,
+            "virtual_nodes": virtual_nodes,
+            "randomize": randomize,
+        }
+        each = _each(groups, self.num_envs)
+        kinds = {choice: Settings.of(groups=choice, **arguments) for choice in each}
+        order = {choice: k for k, choice in enumerate(kinds)}
+        kind = np.array([order[choice] for choice in each])
+        self.settings = kinds[each[0]]
+        never = max_episode_steps is None or max_episode_steps == -1
+        self._autoreset = _autoreset_mode(autoreset_mode)
+        if not isinstance(copy, bool):
+            raise TypeError(f"copy must be True or False, got {copy!r}")
+        self._copy = copy
+        if render_mode not in (None, "human", "rgb_array"):
+            raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
+        self.render_mode = render_mode
+        shown = range(self.num_envs) if rendered is None else rendered
+        self._rendered = [whole_number("rendered", i, 0, self.num_envs - 1) for i in shown]
+        self._tiles: Tiles | None = None
+        self.metadata = {**StickSlipCrawlerEnv.metadata, "autoreset_mode": self._autoreset}
+
+        self.single_action_space = spaces.Discrete(2)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.single_observation_space = self.settings.observation_space()
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+
+        longest = np.iinfo(np.int64).max if never else whole_number("max_episode_steps", max_episode_steps, 1)
+        available = len(os.sched_getaffinity(0))
+        most = available if threads is None else whole_number("threads", threads, 1)
+        self._fleet = Fleet(list(kinds.values()), kind, longest, most)
+        self._pending = np.zeros(self.num_envs, np.bool_)
+        self._terminations = np.zeros(self.num_envs, np.bool_)
+        self._running = False
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Put all crawlers, or those of a mask, at rest at the start of the ground.
+
+        Parameters
+        ----------
+        seed : int or sequence of num_envs of int or None, optional
+            Sub-environment i takes ``seed + i``, or its own; without a seed it goes on with its random numbers.
+        options : dict, optional
+            ``"reset_mask"``: a bool array of shape (num_envs,), the sub-environments to reset.
+
+        Returns
+        -------
+        observations : (num_envs, 5) array of float32
+            Of all; those that are not reset show their last one again.
+        infos : dict
+            Of those that are reset.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If an argument is wrong; nothing is reset then.
+        gymnasium.error.ResetNeeded
+            If the first reset, or the first after a SolverError, is not one of all.
+        gymnasium.error.ClosedEnvironmentError
+            If called after `close`.
+        """
+        self._refuse_closed()
+        mask = self._reset_mask(options)
+        seeds = self._seeds_of(seed)
+        if not self._running and not mask.all():
+            raise ResetNeeded("the first reset must be of all sub-environments, got a reset_mask of some")
+        self._fleet.begin(mask, seeds, anew=not self._running)
+        self._running = True
+        self._pending = self._pending & ~mask
+        if self.render_mode == "human":
+            self.render()
+        return self._own(self._fleet.results.observations), self._told_of_reset(mask)
+
+    def step(
+        self, actions: ArrayLike
+    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """Hold every valve as commanded, or flipped, for one hold.
+
+        Parameters
+        ----------
+        actions : (num_envs,) array of int
+            Each 0 or 1.
+
+        Returns
+        -------
+        observations : (num_envs, 5) array of float32
+        rewards : (num_envs,) array of float64
+        terminations : (num_envs,) array of bool
+            All False.
+        truncations : (num_envs,) array of bool
+            Whether the episode has come to its last step.
+        infos : dict
+
+        Raises
+        ------
+        ValueError, TypeError
+            If `actions` has another shape or type, or holds anything but 0 and 1; nothing is stepped then.
+        gymnasium.error.ResetNeeded
+            If called before `reset`, or on an episode that has ended where `autoreset_mode` is "Disabled".
+        gymnasium.error.ClosedEnvironmentError
+            If called after `close`.
+        SolverError
+            If a motion diverges; all sub-environments have to be reset then.
+        """
+        self._refuse_closed()
+        commands = self._commands(actions)
+        if not self._running:
+            raise ResetNeeded("step needs a call of reset first")
+        idle = self._pending
+        restarting = np.count_nonzero(idle) > 0
+        if restarting and self._autoreset is AutoresetMode.DISABLED:
+            over = np.flatnonzero(idle).tolist()
+            raise ResetNeeded(f"the episodes of sub-environments {over} are over; reset them with a reset_mask")
+        self._running = False  # until the step has succeeded
+        self._fleet.step(commands, idle)
+        self._running = True
+
+        results = self._fleet.results
+        ended = results.truncations.copy()
+        of_step = {name: getattr(results, name) for name in _INFOS}
+        if self._autoreset is AutoresetMode.SAME_STEP and np.count_nonzero(ended) > 0:
+            infos = self._told(of_step, ~ended)
+            infos |= {"final_obs": _rows(results.observations, ended), "_final_obs": ended.copy()}
+            infos |= self._told({"final_info": of_step}, ended)
+            self._fleet.begin_again(ended)
+            infos |= self._told_of_reset(ended)
+        else:
+            infos = self._told(of_step, ~idle)
+            if restarting:
+                self._fleet.begin_again(idle)
+                infos |= self._told_of_reset(idle)
+            if self._autoreset is not AutoresetMode.SAME_STEP:
+                self._pending = ended
+        if self.render_mode == "human":
+            self.render()
+        arrays = results.observations, results.rewards, self._terminations, results.truncations
+        observations, rewards, terminations, truncations = (self._own(array) for array in arrays)
+        return observations, rewards, terminations, truncations, infos
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Draw the `rendered` crawlers as they are now.
+
+        Returns
+        -------
+        tuple of (height, width, 3) arrays of uint8, or None
+            A picture of each; `stickslip.envs.tile` makes one of them. None for `render_mode="human"`, which shows that
+            one in a window.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            If called before `reset`.
+        """
+        if self.render_mode is None:
+            gym.logger.warn(
+                "render was called without a render_mode; "
+                'make the environment with gym.make_vec("StickSlipCrawler-v0", n, render_mode="rgb_array")'
+            )
+            return None
+        if not self._running:
+            raise ResetNeeded("render needs a call of reset first")
+        if self._tiles is None:
+            self._tiles = Tiles(self.render_mode, self.metadata["render_fps"], self._rendered)
+        return self._tiles.draw([self._fleet.frame(i) for i in self._rendered])
+
+    def close_extras(self, **_: Any) -> None:
+        """End the threads, and close the window if there is one."""
+        self._fleet.close()
+        if self._tiles is not None:
+            self._tiles.close()
+            self._tiles = None
+
+    @property
+    def np_random(self) -> tuple[np.random.Generator | None, ...]:  # type: ignore[override]
+        """Each sub-environment's generator; None before the first reset."""
+        return tuple(self._fleet.generators)
+
+    @property
+    def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
+        """Seed of each sub-environment's generator; None before the first reset."""
+        return tuple(self._fleet.seeds)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A window cannot be copied; the copy opens its own.
+        return {**self.__dict__, "_tiles": None}
+
+    def _own(self, array: NDArray[Any]) -> NDArray[Any]:
+        return array.copy() if self._copy else array
+
+    def _told(self, values: Mapping[str, Any], mask: NDArray[np.bool_]) -> dict[str, Any]:
+        """Infos in Gymnasium's form: zero, and not in the mask beside them, for those who do not have them."""
+        infos: dict[str, Any] = {}
+        having = np.count_nonzero(mask)
+        if having == 0:
+            return infos
+        for name, value in values.items():
+            if isinstance(value, Mapping):
+                infos[name] = self._told(value, mask)
+            else:
+                infos[name] = (
+                    self._own(value) if having == len(mask) else np.where(mask, value, np.zeros((), value.dtype))
+                )
+            infos[f"_{name}"] = mask.copy()
+        return infos
+
+    def _told_of_reset(self, mask: NDArray[np.bool_]) -> dict[str, Any]:
+        *groups, slope = self._fleet.drawn
+        return self._told({"groups": dict(zip(Groups.__slots__, groups, strict=True)), "slope": slope}, mask)
+
+    def _refuse_closed(self) -> None:
+        if self.closed:
+            raise ClosedEnvironmentError("the vector environment is closed; make a new one")
+
+    def _commands(self, actions: ArrayLike) -> NDArray[np.int64]:
+        commands = np.asarray(actions)
+        if commands.shape != (self.num_envs,):
+            raise ValueError(f"actions must have shape ({self.num_envs},), got {commands.shape}")
+        if commands.dtype.kind not in "biu":
+            raise TypeError(f"actions must be whole numbers, got an array of {commands.dtype}")
+        allowed = (commands == 0) | (commands == 1)
+        if np.count_nonzero(allowed) < self.num_envs:
+            i = int(np.argmin(allowed))
+            raise ValueError(f"actions must be 0 or 1, got {commands[i]} for sub-environment {i}")
+        return commands.astype(np.int64)
+
+    def _reset_mask(self, options: dict[str, Any] | None) -> NDArray[np.bool_]:
+        mask = None if options is None else options.get("reset_mask")
+        if mask is None:
+            return np.ones(self.num_envs, np.bool_)
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise TypeError(f"reset_mask must be an array of bool, got {mask!r}")
+        if mask.shape != (self.num_envs,):
+            raise ValueError(f"reset_mask must have shape ({self.num_envs},), got {mask.shape}")
+        if not mask.any():
+            raise ValueError("reset_mask must name one sub-environment at least, got none")
+        return mask
+
+    def _seeds_of(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, Sequence):
+            seeds = [each if each is None else whole_number("seed", each, 0) for each in seed]
+            if len(seeds) != self.num_envs:
+                raise ValueError(f"seed must be one number or {self.num_envs} of them, got {len(seeds)}")
+            return seeds
+        first = whole_number("seed", seed, 0)
+        return [first + i for i in range(self.num_envs)]
+
+
+def _each(choice: Any, count: int) -> list[Groups]:
+    """Groups of each sub-environment."""
+    if isinstance(choice, Sequence) and not isinstance(choice, str):
+        if len(choice) != count:
+            raise ValueError(f"groups must be one choice or num_envs = {count} of them, got {len(choice)}")
+        return [Groups.of(one) for one in choice]
+    return [Groups.of(choice)] * count
+
+
+def _autoreset_mode(mode: str | AutoresetMode) -> AutoresetMode:
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        allowed = [each.value for each in AutoresetMode]
+        raise ValueError(f"autoreset_mode must be one of {allowed}, got {mode!r}") from None
+
+
+def _rows(array: NDArray[Any], mask: NDArray[np.bool_]) -> NDArray[np.object_]:
+    """Copies of an array's rows, None for those not in the mask."""
+    rows = np.full(len(array), None, object)
+    for i in np.flatnonzero(mask).tolist():
+        rows[i] = array[i].copy()
+    return rows

@@ -1,0 +1,159 @@
+"""Memory scores of many reservoirs at once, eight side by side.
+
+Each lane does what `prequential.score` does, in the same order, and rounds as it does.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..compilation import compiled
+from ..lanes import aligned_zeros, clipped, LANES, load, spread, store
+from .prequential import PrequentialMemory
+
+__all__ = ["Readouts", "forget", "readouts_of", "score_lanes"]
+
+Array = NDArray[np.float64]
+
+
+class Readouts(NamedTuple):
+    """Readouts of many reservoirs, eight to a block: the last axis of every array but `seen` is the lane."""
+
+    weights: Array  # (blocks, delays, features + 1, LANES)
+    covariance: Array  # (blocks, half of the square matrix by rows, LANES)
+    past: Array  # (blocks, delays, LANES): innovations, newest first
+    scaling: Array  # (blocks, 2, features, LANES): centre and scale of each feature
+    seen: Array  # (blocks * LANES,): samples since the start
+    first_weights: Array  # (kinds, delays, features + 1): where a readout starts
+    first_covariance: Array  # (kinds, half of the square matrix)
+    kind: NDArray[np.int64]  # (reservoirs,): which start is whose
+    variance: float  # Var e
+
+
+def readouts_of(memories: Sequence[PrequentialMemory], kind: NDArray[np.int64]) -> Readouts:
+    """Readouts that start as the calibrated ones.
+
+    Parameters
+    ----------
+    memories : sequence of PrequentialMemory
+        Of the same numbers of delays and features, and the same variance.
+    kind : (reservoirs,) array of int
+        Which of them is whose.
+
+    Returns
+    -------
+    Readouts
+        At their start.
+    """
+    blocks = -(-len(kind) // LANES)
+    delays, features = memories[0].first_weights.shape
+    lower = np.tril_indices(features)
+    half = len(lower[0])
+    readouts = Readouts(
+        aligned_zeros(blocks, delays, features, LANES),
+        aligned_zeros(blocks, half, LANES),
+        aligned_zeros(blocks, delays, LANES),
+        aligned_zeros(blocks, 2, features - 1, LANES),
+        aligned_zeros(blocks * LANES),
+        np.stack([memory.first_weights for memory in memories]),
+        np.stack([memory.first_covariance[lower] for memory in memories]),
+        kind,
+        memories[0].variance,
+    )
+    for i, which in enumerate(kind.tolist()):
+        block, lane = divmod(i, LANES)
+        readouts.scaling[block, 0, :, lane] = memories[which].centre
+        readouts.scaling[block, 1, :, lane] = memories[which].scale
+    forget(readouts, np.ones(len(kind), np.bool_))
+    return readouts
+
+
+@compiled
+def forget(readouts: Readouts, mask: NDArray[np.bool_]) -> None:
+    """Let the readouts in the mask, of shape (reservoirs,), start again."""
+    for i in range(len(mask)):
+        if not mask[i]:
+            continue
+        block, lane = i // LANES, i % LANES
+        which = readouts.kind[i]
+        weights = readouts.first_weights[which]
+        for d in range(weights.shape[0]):
+            readouts.past[block, d, lane] = 0.0
+            for f in range(weights.shape[1]):
+                readouts.weights[block, d, f, lane] = weights[d, f]
+        covariance = readouts.first_covariance[which]
+        for k in range(len(covariance)):
+            readouts.covariance[block, k, lane] = covariance[k]
+        readouts.seen[i] = 0.0
+
+
+@compiled
+def score_lanes(
+    readouts: Readouts, block: int, states: Array, first: int, stride: int, innovations: Array, scratch: Array
+) -> None:
+    """Score one sample of each reservoir of a block and learn it, in place.
+
+    Parameters
+    ----------
+    readouts : Readouts
+    block : int
+    states : array of float64, C-contiguous
+        Feature f of the block's lanes lies at ``first + f * stride`` and behind.
+    first, stride : int
+    innovations : (blocks * LANES,) array
+        Overwritten with what each sample earned: innovations in, scores out.
+    scratch : (2, features + 1, LANES) array
+    """
+    delays, size = readouts.weights.shape[1], readouts.weights.shape[2]
+    half = size * (size + 1) // 2
+    gains = size * LANES
+    weights = block * delays * gains
+    covariance = block * half * LANES
+    past = block * delays * LANES
+    centre = block * 2 * (size - 1) * LANES
+    scale = centre + (size - 1) * LANES
+
+    for f in range(size - 1):
+        shifted = load(states, first + f * stride) - load(readouts.scaling, centre + f * LANES)
+        store(scratch, f * LANES, shifted * load(readouts.scaling, scale + f * LANES))
+    store(scratch, (size - 1) * LANES, spread(1.0))
+
+    uncertainty = spread(1.0)
+    for j in range(size):
+        gain = spread(0.0)
+        for i in range(size):
+            k = i * (i + 1) // 2 + j if i >= j else j * (j + 1) // 2 + i
+            gain = gain + load(scratch, i * LANES) * load(readouts.covariance, covariance + k * LANES)
+        store(scratch, gains + j * LANES, gain)
+        uncertainty = uncertainty + load(scratch, j * LANES) * gain
+    shrink = spread(1.0) / uncertainty
+
+    for d in range(delays - 1, 0, -1):
+        store(readouts.past, past + d * LANES, load(readouts.past, past + (d - 1) * LANES))
+    store(readouts.past, past, load(innovations, block * LANES))
+    seen = load(readouts.seen, block * LANES) + spread(1.0)
+    store(readouts.seen, block * LANES, seen)
+
+    earned = spread(0.0)
+    for d in range(delays):
+        row = weights + d * gains
+        prediction = spread(0.0)
+        for f in range(size):
+            prediction = prediction + load(readouts.weights, row + f * LANES) * load(scratch, f * LANES)
+        target = load(readouts.past, past + d * LANES)
+        known = clipped(seen - spread(float(d)))  # 1, or 0 for a message from before the first
+        earned = earned + known * ((spread(2.0) * target - prediction) * prediction)
+        step = known * ((target - prediction) * shrink)
+        for f in range(size):
+            learned = load(readouts.weights, row + f * LANES) + step * load(scratch, gains + f * LANES)
+            store(readouts.weights, row + f * LANES, learned)
+    store(innovations, block * LANES, earned / spread(readouts.variance))
+
+    k = covariance
+    for i in range(size):
+        for j in range(i + 1):
+            taken = load(scratch, gains + i * LANES) * load(scratch, gains + j * LANES) * shrink
+            store(readouts.covariance, k, load(readouts.covariance, k) - taken)
+            k += LANES
