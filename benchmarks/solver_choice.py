@@ -43,7 +43,7 @@ class Drawn(NamedTuple):
     scene: Scene
     hold: float
     tolerance: float
-    schedule: NDArray[np.int8]
+    schedule: NDArray[np.float64]
 
 
 class Run(NamedTuple):
@@ -87,7 +87,7 @@ def random_crawler(rng: np.random.Generator, *, ordinary: bool) -> Drawn:
     )
     hold = spread(1e-3, 100.0, 1.0)
     holds = int(np.clip(np.ceil(_TIME / hold), _LEAST_HOLDS, _MOST_HOLDS))
-    schedule = rng.integers(0, 2, holds).astype(np.int8)
+    schedule = rng.integers(0, 2, holds).astype(np.float64)
     # Nothing happens to a body at rest until the valve opens.
     schedule[0] = 1
     scene = SCENES[rng.integers(len(SCENES))]

@@ -16,7 +16,7 @@ from stickslip.crawler.radau_table import STAGES
 from stickslip.crawler.solvers import Solver, SOLVERS
 from stickslip.crawler.workspace import ROWS, WIDTH
 
-WORD = np.array([1, 1, 1, 1, 0, 0, 0, 0] * 5, np.int8)
+WORD = np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0] * 5)
 CRAWLERS = {
     "default": Groups(),
     "Pi2 = 100": Groups(damping_ratio=100.0),

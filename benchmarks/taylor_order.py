@@ -15,7 +15,7 @@ from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.taylor import order_for, ORDERS
 from stickslip.crawler.workspace import ROWS, WIDTH
 
-WORD = np.array([1, 1, 1, 1, 0, 0, 0, 0] * 25, np.int8)
+WORD = np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0] * 25)
 FOOT = 32.03368882790800707974502  # 40-digit arithmetic
 ROUNDS = 31
 

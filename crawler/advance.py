@@ -1,10 +1,11 @@
-"""One crawler, one hold of the valve: the loop in which the body's state moves, whatever makes its steps.
+"""One crawler, one stretch of a constant valve: the loop in which the body's state moves, whatever makes its steps.
 
 The pressure is closed form. Between events z and v are polynomials; the foot follows from the momentum, on which
 friction and slope alone act. A step ends at whichever comes first: its error bound, the first descent of an event
-function through zero, or the end of the hold.
+function through zero, or the end of the stretch: of the hold, or of the part of it that the valve is open or shut.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,7 @@ from .events import change_motion, next_event
 from .radau import radau_again, radau_step
 from .taylor import state_at, taylor_step
 
-__all__ = ["FARTHEST", "advance", "is_near", "moment_of", "record", "sampled_step"]
+__all__ = ["FARTHEST", "advance", "is_near", "moment_of", "record", "sampled_by", "sampled_step"]
 
 # No bounded body stretches so far; beyond, a float32 observation and the squares of the motion would soon overflow.
 FARTHEST = 1e12
@@ -80,8 +81,10 @@ def advance(
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
     workspace: NDArray[np.float64],
+    begin: float = 0.0,
+    end: float = math.inf,
 ) -> Outcome:
-    """Advance one crawler by one hold of the valve.
+    """Advance one crawler by one hold of the valve, or by a part of one.
 
     Parameters
     ----------
@@ -89,31 +92,36 @@ def advance(
         State and energies at the start of the hold.
     physics : Physics
     valve : float
-        0 or 1, constant over the hold.
+        0 or 1, constant from `begin` to `end`.
     hold : float
         Length of the hold, natural time.
     control : Control
     start : float
         Time at which the hold begins; only the events' times depend on it.
     samples : (5, S) array
-        Receives z, v, p, x, w at the times hold (j + 1) / S.
+        Receives z, v, p, x, w at those of the times hold (j + 1) / S that are after `begin` and not after `end`.
     events : (capacity, 2) array
         Receives the time and the new motion of each event if `control.log`. Where it is too short the outcome says
         LOG_FULL, and the hold is to be done again from its start with a longer one.
     workspace : (ROWS, WIDTH) array
         Scratch.
+    begin, end : float
+        Time into the hold, the whole of it by default.
 
     Returns
     -------
     Outcome
     """
-    done = 0
+    done = sampled_by(begin, hold, samples.shape[1])
     logged = 0
-    elapsed = 0.0
+    elapsed = begin
+    close = min(end, hold)
     opening = body
     pace = AFRESH
     for steps in range(1, control.max_steps + 1):
-        longest, end, pace = next_step(opening, body, physics, valve, elapsed, hold - elapsed, control, pace, workspace)
+        longest, ahead, pace = next_step(
+            opening, body, physics, valve, elapsed - begin, close - elapsed, control, pace, workspace
+        )
         if not longest >= 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
         length, motion = next_event(body, physics, valve, control.order, longest, workspace)
@@ -128,10 +136,12 @@ def advance(
             physics,
             valve,
             hold,
+            begin,
+            close,
             elapsed,
             control.order,
             longest,
-            end,
+            ahead,
             length,
             motion,
             done,
@@ -153,7 +163,7 @@ def advance(
                 logged += 1
         body = following
         if last:
-            return Outcome(FINISHED, hold, steps, logged, body, ledger)
+            return Outcome(FINISHED, close, steps, logged, body, ledger)
     return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger)
 
 
@@ -164,6 +174,8 @@ def sampled_step(
     physics: Physics,
     valve: float,
     hold: float,
+    begin: float,
+    close: float,
     elapsed: float,
     order: int,
     longest: float,
@@ -176,6 +188,8 @@ def sampled_step(
 ) -> tuple[Body, float, int, bool]:
     """Take the samples of a step that ends after `length`, at most `longest`, where the state is `end`.
 
+    The valve keeps its state from `begin` to `close`, times into the hold; `opening` is the state at `begin`.
+
     Returns
     -------
     following : Body
@@ -185,22 +199,22 @@ def sampled_step(
     done : int
         Samples taken so far in the hold.
     last : bool
-        Whether the hold is over.
+        Whether the time `close` is reached.
     """
-    # The last step ends on the hold itself, so that no sample is lost to the rounding of a sum.
-    last = motion == body.motion and length >= hold - elapsed
-    reached = hold if last else elapsed + length
+    # The last step ends on the stretch's own end, so that no sample is lost to the rounding of a sum.
+    last = motion == body.motion and length >= close - elapsed
+    reached = close if last else elapsed + length
     count = samples.shape[1]
     while done < count:
         moment = moment_of(done, count, hold)
         if moment > reached:
             break
         # The pressure is that of this very moment, not of a step's end within rounding of it.
-        pressure = pressure_after(opening, physics, valve, moment)
+        pressure = pressure_after(opening, physics, valve, moment - begin)
         record(state_at(body, physics, pressure, order, min(moment - elapsed, length), series), samples, done)
         done += 1
     if length < longest:
-        pressure = pressure_after(opening, physics, valve, reached)
+        pressure = pressure_after(opening, physics, valve, reached - begin)
         return state_at(body, physics, pressure, order, length, series), reached, done, last
     return end, reached, done, last
 
@@ -215,6 +229,15 @@ def moment_of(done: float, count: float, hold: float) -> float:
 def is_near(body: Body) -> bool:
     """Whether the body is finite, and where a body can be."""
     return abs(body.deformation) + abs(body.velocity) + abs(body.foot_velocity) < FARTHEST
+
+
+@compiled
+def sampled_by(begin: float, hold: float, count: int) -> int:
+    """How many of a hold's samples are taken by the time `begin`."""
+    done = 0
+    while begin > 0.0 and done < count and moment_of(done, count, hold) <= begin:
+        done += 1
+    return done
 
 
 @compiled

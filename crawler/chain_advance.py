@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled
-from .advance import FARTHEST, record
+from .advance import FARTHEST, record, sampled_by
 from .body import Body, Ledger, STUCK
 from .chain import (
     Chain,
@@ -38,7 +38,7 @@ def drive_chain(
     body: Body,
     stretches: NDArray[np.float64],
     chain: Chain,
-    schedule: NDArray[np.int8],
+    schedule: NDArray[np.float64],
     hold: float,
     control: Control,
     samples: NDArray[np.float64],
@@ -55,7 +55,8 @@ def drive_chain(
     stretches : (2, N) array
         D and D' of the segments, foot first; moved in place.
     chain : Chain
-    schedule : (holds,) array of int8
+    schedule : (holds,) array
+        Share of each hold that the valve is open, at its start.
     hold : float
     control : Control
     samples : (5, holds * samples_per_hold) array
@@ -78,14 +79,22 @@ def drive_chain(
     ledger = Ledger(0.0, 0.0, 0.0)
     logged = 0
     steps = 0
-    for k in range(len(schedule)):
+    # As in `drive`: a stretch of the open valve and one of the shut.
+    for stretch in range(2 * len(schedule)):
+        k = stretch // 2
+        opened = schedule[k] * hold
+        valve, begin, end = (1.0, 0.0, opened) if stretch % 2 == 0 else (0.0, opened, hold)
+        if not begin < end:
+            continue
         outcome = _advance_chain(
             body,
             stretches,
             ledger,
             chain,
-            float(schedule[k]),
+            valve,
             hold,
+            begin,
+            end,
             control,
             control.max_steps - steps,
             k * hold,
@@ -111,6 +120,8 @@ def _advance_chain(
     chain: Chain,
     valve: float,
     hold: float,
+    begin: float,
+    close: float,
     control: Control,
     budget: int,
     start: float,
@@ -119,29 +130,32 @@ def _advance_chain(
     events: NDArray[np.float64],
     series: ChainSeries,
 ) -> Outcome:
-    """Advance one chain by one hold of the valve, which begins at the time `start`, in `budget` steps at most."""
+    """Advance one chain from `begin` to `close` in one hold of the valve, in `budget` steps at most.
+
+    Both are times into the hold, which begins at the time `start`.
+    """
     segments = stretches.shape[1]
     count = samples.shape[1]
-    done = 0
+    done = sampled_by(begin, hold, count)
     logged = 0
-    elapsed = 0.0
+    elapsed = begin
     opening = body
     for steps in range(1, budget + 1):
         expand_chain(stretches, body, chain, valve, control.order, series)
         length = longest_step(chain, body.motion, control.order, control.tolerance, series)
         if not length > 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
-        length = _trusted_length(body, chain, valve, control, min(length, hold - elapsed), series)
+        length = _trusted_length(body, chain, valve, control, min(length, close - elapsed), series)
         length, motion = _next_event(body, chain, valve, control.order, length, series)
 
-        # The last step ends on the hold itself, so that no sample is lost to the rounding of a sum.
-        last = motion == body.motion and length >= hold - elapsed
-        reached = hold if last else elapsed + length
+        # The last step ends on the stretch's own end, so that no sample is lost to the rounding of a sum.
+        last = motion == body.motion and length >= close - elapsed
+        reached = close if last else elapsed + length
         while done < count:
             moment = hold * ((done + 1) / count)
             if moment > reached:
                 break
-            pressure = pressure_after(opening, chain.physics, valve, moment)
+            pressure = pressure_after(opening, chain.physics, valve, moment - begin)
             sampled = _state_at(body, pressure, control.order, min(moment - elapsed, length), series)
             record(sampled, samples, done)
             for j in range(segments):
@@ -149,7 +163,7 @@ def _advance_chain(
                 segment_samples[1, j, done] = series.ahead[1, j] / segments
             done += 1
 
-        pressure = pressure_after(opening, chain.physics, valve, reached)
+        pressure = pressure_after(opening, chain.physics, valve, reached - begin)
         following = _state_at(body, pressure, control.order, length, series)
         if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
@@ -167,7 +181,7 @@ def _advance_chain(
             following = change_motion(following, motion, chain.physics)
         body = following
         if last:
-            return Outcome(FINISHED, hold, steps, logged, body, ledger)
+            return Outcome(FINISHED, close, steps, logged, body, ledger)
     return Outcome(OUT_OF_STEPS, elapsed, budget, logged, body, ledger)
 
 

@@ -43,7 +43,7 @@ def run_chain(
     stretches: NDArray[np.float64],
     groups: Groups,
     scene: Scene,
-    schedule: NDArray[np.int8],
+    schedule: NDArray[np.float64],
     hold: float,
     control: Control,
     samples: NDArray[np.float64],

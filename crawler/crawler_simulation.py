@@ -18,7 +18,7 @@ def run_crawler(
     body: Body,
     groups: Groups,
     scene: Scene,
-    schedule: NDArray[np.int8],
+    schedule: NDArray[np.float64],
     hold: float,
     control: Control,
     samples: NDArray[np.float64],

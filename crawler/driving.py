@@ -1,5 +1,6 @@
 """A crawler through its schedule, whichever way a hold is advanced."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -26,8 +27,10 @@ def advance_by_method(
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
     workspace: NDArray[np.float64],
+    begin: float = 0.0,
+    end: float = math.inf,
 ) -> Outcome:
-    """One hold by the control's method, in compiled code alone: see `advance` and `advance_linear`."""
+    """A hold or a part of one by the control's method, in compiled code alone: see `advance`, `advance_linear`."""
     raise NotImplementedError
 
 
@@ -43,6 +46,8 @@ def _compiled_advance(
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
     workspace: NDArray[np.float64],
+    begin: float = 0.0,
+    end: float = math.inf,
 ) -> Any:
     kernel: Any = advance_linear if method_of(control) is ClosedForm else advance
     return kernel.py_func
@@ -52,7 +57,7 @@ def _compiled_advance(
 def drive(
     body: Body,
     coefficients: Physics,
-    schedule: NDArray[np.int8],
+    schedule: NDArray[np.float64],
     hold: float,
     control: Control,
     samples: NDArray[np.float64],
@@ -65,7 +70,8 @@ def drive(
     ----------
     body : Body
     coefficients : Physics
-    schedule : (holds,) array of int8
+    schedule : (holds,) array
+        Duty cycles: the share of each hold that the valve is open, at its start.
     hold : float
     control : Control
         Its step budget is that of the whole run.
@@ -87,7 +93,13 @@ def drive(
     ledger = Ledger(0.0, 0.0, 0.0)
     logged = 0
     steps = 0
-    for k in range(len(schedule)):
+    # Every hold is a stretch of the open valve and one of the shut; most often one of the two is empty.
+    for stretch in range(2 * len(schedule)):
+        k = stretch // 2
+        opened = schedule[k] * hold
+        valve, begin, end = (1.0, 0.0, opened) if stretch % 2 == 0 else (0.0, opened, hold)
+        if not begin < end:
+            continue
         left = Control(
             control.tolerance,
             control.order,
@@ -100,13 +112,15 @@ def drive(
             body,
             ledger,
             coefficients,
-            float(schedule[k]),
+            valve,
             hold,
             left,
             k * hold,
             samples[:, k * each : (k + 1) * each],
             events[logged:],
             workspace,
+            begin,
+            end,
         )
         body = outcome.body
         ledger = outcome.ledger

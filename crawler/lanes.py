@@ -388,7 +388,7 @@ def _step_alone(
     length, motion = next_event(body, physics, valve, order, longest, series)
     taken = int(lanes[SAMPLING, DONE, lane])
     following, reached, done, last = sampled_step(
-        opening, body, physics, valve, hold, before, order, longest, end, length, motion, taken, own, series
+        opening, body, physics, valve, hold, 0.0, hold, before, order, longest, end, length, motion, taken, own, series
     )
     i = int(lanes[HOLD, CRAWLER, lane])
     for j in range(taken, done):

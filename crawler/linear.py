@@ -1,4 +1,4 @@
-"""One linear crawler, one hold of the valve, in closed form: the counterpart of `advance` where Pi1 = Pi5 = 0.
+"""One linear crawler, one stretch of a constant valve: the closed form of `advance` where Pi1 = Pi5 = 0.
 
 Nothing is integrated. From event to event the state is a propagator times the state at the last event, and only the
 times of the events are searched for. The error is that of rounding, whatever the tolerance.
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled
-from .advance import FARTHEST, record
+from .advance import FARTHEST, record, sampled_by
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
 from .closed_form import Propagator, propagator, Rates, rates_of, tabulated
 from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome
@@ -60,12 +60,14 @@ def advance_linear(
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
     workspace: NDArray[np.float64],
+    begin: float = 0.0,
+    end: float = math.inf,
 ) -> Outcome:
-    """Advance one linear crawler by one hold of the valve.
+    """Advance one linear crawler by one hold of the valve, or by a part of one.
 
     Parameters
     ----------
-    body, ledger, physics, valve, hold, control, start, samples, events
+    body, ledger, physics, valve, hold, control, start, samples, events, begin, end
         As for `advance`. Of `control` the tolerance and the order do not matter, and `max_steps` bounds the
         evaluations in search of events.
     workspace : (2 S, ENTRIES) array
@@ -76,16 +78,19 @@ def advance_linear(
     Outcome
     """
     count = samples.shape[1]
-    done = 0
+    done = sampled_by(begin, hold, count)
     logged = 0
-    elapsed = 0.0
+    elapsed = begin
+    close = min(end, hold)
     spent = 0
     while True:
         rates = rates_of(physics, body.motion)
         deviating = deviation(body, physics, valve, rates)
-        length = hold - elapsed
+        length = close - elapsed
         resting = body.motion == STUCK
-        if elapsed == 0.0 and count > 0:
+        # A hold's last sample is its end.
+        ends_sampled = close == hold and count > 0
+        if elapsed == 0.0 and ends_sampled:
             whole = tabulated(workspace, (count if resting else 2 * count) - 1)
         else:
             whole = propagator(rates, length)
@@ -95,7 +100,7 @@ def advance_linear(
         if spent >= control.max_steps:
             return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger)
         last = motion == body.motion
-        reached = hold if last else elapsed + moment
+        reached = close if last else elapsed + moment
         following = body
         while done < count:
             instant = hold * ((done + 1) / count)
@@ -111,8 +116,7 @@ def advance_linear(
             following = _carried(body, deviating, physics, valve, over, since)
             record(following, samples, done)
             done += 1
-        # A hold's last sample is its end.
-        if not (last and count > 0):
+        if not (last and ends_sampled):
             over = whole if last else propagator(rates, moment)
             following = _carried(body, deviating, physics, valve, over, moment)
         if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
@@ -131,7 +135,7 @@ def advance_linear(
                 logged += 1
         body = following
         if last:
-            return Outcome(FINISHED, hold, spent, logged, body, ledger)
+            return Outcome(FINISHED, close, spent, logged, body, ledger)
 
 
 @compiled

@@ -88,8 +88,11 @@ def plot_trajectory(trajectory: Trajectory) -> Figure:
         stretch.axhline(0.0, color="0.6", lw=0.6, zorder=0)
         stretch.set_ylabel(f"stretch $z$ ({length})")
         opened = trajectory.actuator.peak_pressure if trajectory.actuator is not None else 1.0
-        edges = np.arange(len(trajectory.valve) + 1) * trajectory.hold
-        drive.stairs(trajectory.valve * opened, edges, fill=True, color="0.85", label="valve open")
+        # Each hold is a stretch of the open valve, then one of the shut.
+        holds = np.arange(len(trajectory.valve))
+        turns = np.stack([holds, holds + trajectory.valve], axis=1).ravel() * trajectory.hold
+        edges = np.append(turns, len(holds) * trajectory.hold)
+        drive.stairs(np.tile([opened, 0.0], len(holds)), edges, fill=True, color="0.85", label="valve open")
         drive.plot(t, trajectory.pressure, color=purple, label="pressure")
         drive.set(xlabel=f"time ({time})", ylabel=f"pressure ({peak})", xlim=(0.0, edges[-1]))
         drive.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.35))

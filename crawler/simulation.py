@@ -1,4 +1,4 @@
-"""The body driven by a sequence of valve states."""
+"""The body driven by a sequence of valve states or duty cycles."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -43,16 +43,18 @@ def simulate(
     initial: State | ChainState | None = None,
     max_steps: int | None = None,
 ) -> Trajectory:
-    """Drive one crawler, or a batch, by a sequence of valve states.
+    """Drive one crawler, or a batch, by a sequence of valve states or of duty cycles.
 
     Parameters
     ----------
     groups : Groups or sequence of Groups
         One for all, or one a row of the batch.
-    valve : (holds,) or (batch, holds) array of 0 and 1
-        One schedule for all, or one a row of the batch.
+    valve : (holds,) or (batch, holds) array, in [0, 1]
+        Duty cycles, one schedule for all or one a row of the batch: the valve is open for the first ``duty * hold`` of
+        each hold and shut for the rest, so that 1 keeps it open throughout and 0 shut. It turns at that very instant,
+        and the samples stay where they are.
     hold : float, in (0, inf)
-        Time that the valve keeps each state, natural units.
+        Time between duty cycles, natural units.
     scene : Scene, optional
         On the ground with a ratcheted foot by default.
     tolerance : float, in [1e-15, 1e-2]
@@ -103,7 +105,7 @@ def simulate(
     energies = np.empty(batch)
     for member, (groups_of, by) in enumerate(zip(crawlers, solvers, strict=True)):
         control = by.control(tolerance, energy=True, log=True, max_steps=budget)
-        row = schedule[member], hold, control, samples[member]
+        row = schedule[member].astype(np.float64), hold, control, samples[member]
         if is_chain(scene):
             outcome, finished, events, energies[member] = run_chain(
                 body, stretches, groups_of, scene, *row, parts[member]
@@ -196,7 +198,7 @@ def solver_error(
     )
 
 
-def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Groups], NDArray[np.int8], bool]:
+def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Groups], NDArray[Any], bool]:
     """Groups and schedules row by row, and whether there is one crawler only."""
     try:
         given = np.asarray(valve)
@@ -204,11 +206,12 @@ def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Gr
         raise ValueError("valve must have shape (holds,) or (batch, holds), got rows of different length") from None
     if given.ndim not in (1, 2) or given.size == 0:
         raise ValueError(f"valve must have shape (holds,) or (batch, holds) and not be empty, got {given.shape}")
-    wrong = np.argwhere((given != 0) & (given != 1)) if given.dtype.kind in "biuf" else np.zeros((1, given.ndim), int)
+    kind = given.dtype.kind
+    wrong = np.argwhere(~((given >= 0) & (given <= 1))) if kind in "biuf" else np.zeros((1, given.ndim), int)
     if len(wrong):
         index = tuple(int(i) for i in wrong[0])
-        raise ValueError(f"valve must hold only 0 and 1, got {given[index]!r} at index {index}")
-    schedule = given.astype(np.int8)
+        raise ValueError(f"valve must hold only numbers in [0, 1], got {given[index]!r} at index {index}")
+    schedule = given.astype(np.float64 if kind == "f" else np.int8)
     single = isinstance(groups, Groups)
     crawlers = [groups] if isinstance(groups, Groups) else list(groups) if isinstance(groups, Iterable) else []
     if not crawlers or not all(isinstance(member, Groups) for member in crawlers):

@@ -143,11 +143,11 @@ def taylor_step(
     Parameters
     ----------
     opening, body : Body
-        At the start of the hold and of the step.
+        At the start of the valve's present state and of the step.
     physics : Physics
     valve : float
     elapsed, remaining : float
-        Time from the start of the hold, and to its end.
+        Time from `opening`, and to the valve's next turn or the end of the hold.
     control : Control
     pace : Pace
         Of no matter here.

@@ -40,8 +40,8 @@ class Trajectory:
         Position of the foot, 0 at the start unless `initial` says otherwise, and its rate.
     segment_deformation, segment_velocity : (..., segments, samples) arrays
         Stretch of each segment and its rate, the one behind first; they sum to `deformation` and `velocity`.
-    valve : (..., holds) array of int8
-        The input that was applied.
+    valve : (..., holds) array of int8, or of float64 where floats were given
+        The input that was applied: 0, 1, or the share of the hold for which the valve was open.
     slips : int or (...) array of int
         How often the foot broke loose.
     events : (events,) structured array of dtype :data:`EVENT`
@@ -67,7 +67,7 @@ class Trajectory:
     foot_velocity: NDArray[np.float64]
     segment_deformation: NDArray[np.float64]
     segment_velocity: NDArray[np.float64]
-    valve: NDArray[np.int8]
+    valve: NDArray[Any]
     slips: Any
     events: NDArray[np.void]
     work: Any

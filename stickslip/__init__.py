@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 
 _HOME = {
     "Actuator": "stickslip.crawler",
+    "CrawlerReservoir": "stickslip.tasks.transformer",
     "Groups": "stickslip.crawler",
     "Scene": "stickslip.crawler",
     "Trajectory": "stickslip.crawler",
@@ -20,7 +21,16 @@ _HOME = {
     "memory_capacity": "stickslip.reservoir",
 }
 
-__all__ = ["Actuator", "Groups", "Scene", "Trajectory", "__version__", "memory_capacity", "simulate"]
+__all__ = [
+    "Actuator",
+    "CrawlerReservoir",
+    "Groups",
+    "Scene",
+    "Trajectory",
+    "__version__",
+    "memory_capacity",
+    "simulate",
+]
 
 register(
     id="StickSlipCrawler-v0",

@@ -22,7 +22,7 @@ from .crawler.plotting import save_figure
 from .envs import StickSlipCrawlerEnv
 from .files import atomically
 from .reservoir import memory_capacity
-from .tasks import crawler_and_baselines, plot_memory_profile, random_bits, run_benchmark, table
+from .tasks import known_reservoirs, plot_memory_profile, random_bits, run_benchmark, STANDARD_RESERVOIRS, table
 from .train.evaluation import film, measure
 from .train.figures import plot_trade
 from .train.hyperparameters import read_hyperparameters
@@ -82,7 +82,8 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         console.print(f"trajectory: {crawl.foot[-1]:.1f} z_c in {crawl.time[-1]:.0f} t_c with {crawl.slips} slips")
 
         bits = random_bits(_PROFILE_BITS, seed)
-        reservoirs = crawler_and_baselines(hold=_HOLD)
+        known = known_reservoirs(hold=_HOLD)
+        reservoirs = {name: known[name] for name in STANDARD_RESERVOIRS}
         profiles = {name: memory_capacity(drive(bits, seed), bits, _DELAYS) for name, drive in reservoirs.items()}
         save_figure(plot_memory_profile(profiles), folder / "memory.png")
         scores = run_benchmark(reservoirs=reservoirs, seeds=range(seed, seed + 5))

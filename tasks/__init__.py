@@ -1,28 +1,67 @@
-"""Input streams, targets, and the benchmark that runs them on the crawler and its baselines."""
+"""Input series and their encodings, targets, reservoirs, and the benchmark that runs the tasks on them."""
 
-from .benchmark import run_benchmark, Score, summarize, Summary, table, TASKS
+from .benchmark import run_benchmark, Score, STANDARD_RESERVOIRS, STANDARD_TASKS, summarize, Summary, table
+from .catalogue import TASKS
+from .chaos import lorenz, mackey_glass
+from .encodings import encode, ENCODINGS, pulse_width, sigma_delta, threshold
 from .figures import plot_memory_profile
-from .narma import narma2, narma10
+from .friction import FrictionTask
+from .narma import narma, random_narma
 from .parity import parity
-from .reservoirs import body_states, crawler_and_baselines, crawler_states, RESERVOIRS
-from .streams import dithered, innovation, random_bits
+from .reservoirs import (
+    body_states,
+    BodyReservoir,
+    crawler_states,
+    DelayLine,
+    EchoState,
+    known_reservoirs,
+    Reservoir,
+    RESERVOIRS,
+)
+from .streams import dithered, innovation, random_bits, random_uniform
+from .task import ACCURACY, CAPACITY, Metric, NRMSE, Problem, SeriesTask, Solution, Task
+from .waveforms import waveforms
 
 __all__ = [
+    "ACCURACY",
+    "CAPACITY",
+    "ENCODINGS",
+    "NRMSE",
     "RESERVOIRS",
+    "STANDARD_RESERVOIRS",
+    "STANDARD_TASKS",
     "TASKS",
+    "BodyReservoir",
+    "DelayLine",
+    "EchoState",
+    "FrictionTask",
+    "Metric",
+    "Problem",
+    "Reservoir",
     "Score",
+    "SeriesTask",
+    "Solution",
     "Summary",
+    "Task",
     "body_states",
-    "crawler_and_baselines",
     "crawler_states",
     "dithered",
+    "encode",
     "innovation",
-    "narma2",
-    "narma10",
+    "known_reservoirs",
+    "lorenz",
+    "mackey_glass",
+    "narma",
     "parity",
     "plot_memory_profile",
+    "pulse_width",
     "random_bits",
+    "random_narma",
+    "random_uniform",
     "run_benchmark",
+    "sigma_delta",
     "summarize",
     "table",
+    "threshold",
+    "waveforms",
 ]

@@ -1,52 +1,24 @@
 """The benchmark: every task on every reservoir, over seeds."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from itertools import product
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ..reservoir import memory_capacity, nrmse, predict_held_out
 from ..validation import whole_number
-from .narma import AMPLITUDE, narma2, narma10
-from .parity import parity
+from .catalogue import TASKS
 from .reservoirs import Reservoir, RESERVOIRS
-from .streams import random_bits
+from .task import Task
 
-DELAYS = 40
-"""Delays over which capacities are summed."""
+STANDARD_TASKS = ("memory capacity", "NARMA-2 NRMSE", "NARMA-10 NRMSE", "parity-2 capacity", "parity-3 capacity")
+"""What is run unless said otherwise."""
+
+STANDARD_RESERVOIRS = ("crawler", "delay line", "echo-state network")
+"""Likewise."""
 
 Entry = TypeVar("Entry")
-
-Task = Callable[[NDArray[np.float64], NDArray[np.int64], int], float]
-"""Takes states (length, features), the bits (length,) that drove them and the washout; gives a score."""
-
-
-def _capacity(order: int) -> Task:
-    # The parity of bits a delay ago is the parity stream delayed, so its capacity is a memory capacity.
-    return lambda states, bits, washout: memory_capacity(states, parity(bits, order), DELAYS, washout=washout).corrected
-
-
-def _narma(target: Callable[[ArrayLike], NDArray[np.float64]]) -> Task:
-    return lambda states, bits, washout: nrmse(*predict_held_out(states[washout:], target(AMPLITUDE * bits)[washout:]))
-
-
-TASKS: dict[str, Task] = {
-    "memory capacity": _capacity(1),
-    "NARMA-2 NRMSE": _narma(narma2),
-    "NARMA-10 NRMSE": _narma(narma10),
-    "parity-2 capacity": _capacity(2),
-    "parity-3 capacity": _capacity(3),
-}
-"""The tasks known by name, each named with its score. Add your own.
-
-A capacity is the corrected total of `memory_capacity` over delays 0 to ``DELAYS - 1``, the message being the
-parity of as many consecutive bits as the name says (memory: of one). More is better. These targets are
-uncorrelated, so the capacities of a reservoir sum to its number of features at most. Of an NRMSE less is better,
-and 1 is what the mean scores. All are scored on the second half of what the washout leaves, by a readout fitted
-on the first.
-"""
 
 
 class Score(NamedTuple):
@@ -68,26 +40,26 @@ class Summary(NamedTuple):
 
 def run_benchmark(
     *,
-    tasks: Mapping[str, Task] | Iterable[str] = TASKS,
-    reservoirs: Mapping[str, Reservoir] | Iterable[str] = RESERVOIRS,
+    tasks: Mapping[str, Task] | Iterable[str] = STANDARD_TASKS,
+    reservoirs: Mapping[str, Reservoir] | Iterable[str] = STANDARD_RESERVOIRS,
     seeds: Iterable[int] = range(5),
     length: int = 4000,
     washout: int = 200,
 ) -> list[Score]:
-    """Run every task on every reservoir, all driven by the same random bits.
+    """Run every task on every reservoir, each driven by the same inputs.
 
     Parameters
     ----------
     tasks : mapping of str to Task, or iterable of str
-        Functions by name, or names from `TASKS`.
+        Tasks by name, or names from `TASKS`.
     reservoirs : mapping of str to Reservoir, or iterable of str
-        Functions by name, or names from `RESERVOIRS`.
+        Reservoirs by name, or names from `RESERVOIRS`. One with `candidates` is tuned for each task and seed.
     seeds : iterable of int
-        One repetition each; a seed fixes the bits and the random weights.
+        One repetition each; a seed fixes the inputs and the random weights.
     length : int, at least 1
-        Bits in a repetition.
+        Samples in a repetition.
     washout : int, at least 0
-        Bits at the start that are not scored.
+        Samples at the start that are not scored.
 
     Returns
     -------
@@ -99,15 +71,34 @@ def run_benchmark(
     TypeError, ValueError
         If a name is unknown or an argument is invalid.
     """
-    washout = whole_number("washout", washout, 0)
     chosen_tasks = _chosen("tasks", tasks, TASKS)
     chosen_reservoirs = _chosen("reservoirs", reservoirs, RESERVOIRS)
+    length, washout = whole_number("length", length, 1), whole_number("washout", washout, 0)
     scores = []
-    for seed, (reservoir, drive) in product(seeds, chosen_reservoirs.items()):
-        bits = random_bits(length, seed)
-        states = drive(bits, seed)
-        scores += [Score(task, reservoir, seed, score(states, bits, washout)) for task, score in chosen_tasks.items()]
+    for seed, (name, reservoir) in product(seeds, chosen_reservoirs.items()):
+        remembering = _Remembering(reservoir)
+        for title, task in chosen_tasks.items():
+            solution = task.attempt(remembering, length=length, seed=seed, washout=washout)
+            scores.append(Score(title, name, seed, solution.score))
     return scores
+
+
+class _Remembering:
+    """A reservoir that is driven once by each series, however many tasks share it."""
+
+    def __init__(self, reservoir: Reservoir) -> None:
+        self._reservoir = reservoir
+        self._states: dict[tuple[bytes, int], NDArray[np.float64]] = {}
+        self.candidates = [_Remembering(candidate) for candidate in getattr(reservoir, "candidates", ())]
+
+    def __call__(self, series: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
+        key = series.tobytes(), seed
+        if key not in self._states:
+            self._states[key] = self._reservoir(series, seed)
+        return self._states[key]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._reservoir, name)
 
 
 def summarize(scores: Iterable[Score]) -> dict[tuple[str, str], Summary]:

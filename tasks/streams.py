@@ -1,18 +1,20 @@
 """Input streams: what the valve does, and what of it is news."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import number_within, whole_number
 
 
-def random_bits(length: int, seed: int) -> NDArray[np.int64]:
+def random_bits(length: int, seed: int | Sequence[int]) -> NDArray[np.int64]:
     """Draw independent fair bits, the standard input of memory benchmarks.
 
     Parameters
     ----------
     length : int, at least 1
-    seed : int, at least 0
+    seed : int, at least 0, or sequence of such
 
     Returns
     -------
@@ -24,8 +26,34 @@ def random_bits(length: int, seed: int) -> NDArray[np.int64]:
     TypeError, ValueError
         If an argument is not such an integer.
     """
-    length = whole_number("length", length, 1)
-    return np.random.default_rng(whole_number("seed", seed, 0)).integers(0, 2, length)
+    return _generator(seed).integers(0, 2, whole_number("length", length, 1))
+
+
+def random_uniform(length: int, seed: int | Sequence[int]) -> NDArray[np.float64]:
+    """Draw independent uniform numbers, the standard real-valued input.
+
+    Parameters
+    ----------
+    length : int, at least 1
+    seed : int, at least 0, or sequence of such
+
+    Returns
+    -------
+    ndarray of shape (length,)
+        In [0, 1).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not such an integer.
+    """
+    return _generator(seed).random(whole_number("length", length, 1))
+
+
+def _generator(seed: int | Sequence[int]) -> np.random.Generator:
+    if isinstance(seed, Sequence):
+        return np.random.default_rng([whole_number("seed", each, 0) for each in seed])
+    return np.random.default_rng(whole_number("seed", seed, 0))
 
 
 def dithered(command: ArrayLike, dither: float, seed: int) -> NDArray[np.int64]:

@@ -48,7 +48,7 @@ def _kernel(tolerance: float):
 
     def run(word: Word) -> Journey:
         into = samples.setdefault(len(word), np.empty((5, len(word))))
-        outcome, _ = drive(body, coefficients, word, HOLD, control, into, events, series)
+        outcome, _ = drive(body, coefficients, word.astype(np.float64), HOLD, control, into, events, series)
         assert outcome.status == FINISHED
         return Journey(outcome.body.foot, outcome.body.slips)
 

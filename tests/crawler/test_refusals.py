@@ -12,13 +12,14 @@ from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.workspace import ROWS, WIDTH
 
 REFUSED = [
-    ("valve", {"valve": [0, 2]}, ValueError, r"valve must hold only 0 and 1"),
-    ("valve", {"valve": [0.5]}, ValueError, r"valve must hold only 0 and 1"),
-    ("valve", {"valve": [np.nan]}, ValueError, r"valve must hold only 0 and 1"),
-    ("valve", {"valve": [-1]}, ValueError, r"valve must hold only 0 and 1"),
-    ("valve", {"valve": ["1"]}, ValueError, r"valve must hold only 0 and 1"),
-    ("valve", {"valve": [None]}, ValueError, r"valve must hold only 0 and 1"),
-    ("valve", {"valve": [1j]}, ValueError, r"valve must hold only 0 and 1"),
+    ("valve", {"valve": [0, 2]}, ValueError, r"valve must hold only numbers in \[0, 1\]"),
+    ("valve", {"valve": [1.0 + 1e-15]}, ValueError, r"valve must hold only numbers in \[0, 1\]"),
+    ("valve", {"valve": [np.inf]}, ValueError, r"valve must hold only numbers in \[0, 1\]"),
+    ("valve", {"valve": [np.nan]}, ValueError, r"valve must hold only numbers in \[0, 1\]"),
+    ("valve", {"valve": [-1]}, ValueError, r"valve must hold only numbers in \[0, 1\]"),
+    ("valve", {"valve": ["1"]}, ValueError, r"valve must hold only numbers in \[0, 1\]"),
+    ("valve", {"valve": [None]}, ValueError, r"valve must hold only numbers in \[0, 1\]"),
+    ("valve", {"valve": [1j]}, ValueError, r"valve must hold only numbers in \[0, 1\]"),
     ("valve", {"valve": []}, ValueError, r"\(holds,\) or \(batch, holds\).*\(0,\)"),
     ("valve", {"valve": [[]]}, ValueError, r"\(holds,\) or \(batch, holds\).*\(1, 0\)"),
     ("valve", {"valve": 1}, ValueError, r"\(holds,\) or \(batch, holds\)"),

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
+from scipy import stats
 
-from stickslip.tasks import dithered, innovation, random_bits
+from stickslip.tasks import dithered, innovation, random_bits, random_uniform
 
 
 def test_random_bits_are_fair_independent_and_repeatable():
@@ -11,6 +12,15 @@ def test_random_bits_are_fair_independent_and_repeatable():
     assert abs(np.corrcoef(bits[1:], bits[:-1])[0, 1]) < 5 / np.sqrt(20_000)
     np.testing.assert_array_equal(bits, random_bits(20_000, 3))
     assert (bits != random_bits(20_000, 4)).any()
+
+
+def test_random_numbers_are_uniform_independent_and_repeatable():
+    numbers = random_uniform(20_000, 3)
+    assert stats.kstest(numbers, "uniform").pvalue > 1e-4
+    assert abs(np.corrcoef(numbers[1:], numbers[:-1])[0, 1]) < 5 / np.sqrt(20_000)
+    np.testing.assert_array_equal(numbers, random_uniform(20_000, 3))
+    assert (numbers != random_uniform(20_000, [3, 1])).all()
+    assert (random_bits(64, [3, 1]) != random_bits(64, [3, 2])).any()
 
 
 @pytest.mark.parametrize("dither", [0.05, 0.1, 0.5])
@@ -41,6 +51,8 @@ def test_without_dither_the_valve_obeys():
     [
         (lambda: random_bits(0, 0), "length must be a whole number >= 1, got 0"),
         (lambda: random_bits(5, -1), "seed must be a whole number >= 0, got -1"),
+        (lambda: random_uniform(0, 0), "length must be a whole number >= 1, got 0"),
+        (lambda: random_uniform(5, [0, -1]), "seed must be a whole number >= 0, got -1"),
         (lambda: dithered([0, 1], 0.6, 0), r"dither must be in \[0, 0.5\], got 0.6"),
         (lambda: dithered([0, 2], 0.1, 0), "command must be 0 or 1, got 2 at index 1"),
         (lambda: innovation([0, 1], [0, 1], 0), r"dither must be in \(0, 0.5\], got 0"),

@@ -1,9 +1,11 @@
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip.tasks import narma2, narma10, parity, random_bits
+from stickslip.tasks import narma, parity, random_bits, random_narma, random_uniform
 
 UNIFORM = st.lists(st.floats(0, 0.3), min_size=1, max_size=40)
 
@@ -14,55 +16,107 @@ def naive_narma(u, order):
     for t in range(len(u)):
         if order == 2:
             y[t + 1] = 0.4 * y[t] + 0.4 * y[t] * y[t - 1] + 0.6 * past[t] ** 3 + 0.1
-        else:
-            total = sum(y[t - i] for i in range(10))
-            y[t + 1] = 0.3 * y[t] + 0.05 * y[t] * total + 1.5 * past[t - 9] * past[t] + 0.1
+            continue
+        total = sum(y[t - i] for i in range(order))
+        common = 0.3 * y[t] + 0.05 * y[t] * total + 1.5 * past[t - order + 1] * past[t]
+        y[t + 1] = math.tanh(common + 0.01) + 0.2 if order == 20 else common + 0.1
     return [y[t + 1] for t in range(len(u))]
 
 
-@given(UNIFORM)
-def test_narma_is_its_equation(u):
-    np.testing.assert_allclose(narma2(u), naive_narma(u, 2), rtol=1e-12)
-    np.testing.assert_allclose(narma10(u), naive_narma(u, 10), rtol=1e-12)
+@pytest.mark.parametrize("order", [2, 5, 10, 20])
+@given(u=UNIFORM)
+def test_narma_is_its_equation(order, u):
+    np.testing.assert_allclose(narma(u, order), naive_narma(u, order), rtol=1e-12)
 
 
 def pulses(*times):
-    u = np.zeros(60)
+    u = np.zeros(80)
     u[list(times)] = 0.2
     return u
 
 
 def test_narma2_answers_a_pulse_at_the_entry_of_that_pulse():
-    changed = np.flatnonzero(narma2(pulses(20)) != narma2(pulses()))
+    changed = np.flatnonzero(narma(pulses(20), 2) != narma(pulses(), 2))
     assert changed[0] == 20
 
 
-@pytest.mark.parametrize("gap", [1, 8, 9, 10, 11])
-def test_narma10_couples_inputs_nine_apart_and_no_others(gap):
-    """Ten inputs from u(t-9) to u(t): the product answers a pair of pulses at the second one."""
-    changed = np.flatnonzero(narma10(pulses(20, 20 + gap)) != narma10(pulses()))
-    assert changed[:1].tolist() == ([29] if gap == 9 else [])
+@pytest.mark.parametrize("order", [5, 10, 20])
+@pytest.mark.parametrize("off", [-1, 0, 1])
+def test_narma_couples_inputs_one_less_than_its_order_apart_and_no_others(order, off):
+    """As many inputs as its order, from u(t - order + 1) to u(t): the product answers a pair at the second one."""
+    gap = order - 1 + off
+    changed = np.flatnonzero(narma(pulses(20, 20 + gap), order) != narma(pulses(), order))
+    assert changed[:1].tolist() == ([20 + gap] if off == 0 else [])
 
 
-def test_narma_on_scaled_bits_stays_bounded():
-    for seed in range(5):
-        u = 0.2 * random_bits(4000, seed)
-        assert narma2(u).max() < 0.5
-        assert narma10(u).max() < 0.5
+@pytest.mark.parametrize("order", [5, 10])
+def test_narma_forgets_no_output_before_its_order(order):
+    """A difference in y at one step alone reaches the sum for as many steps as its order."""
+    base, bumped = narma(pulses(), order), narma(pulses(20, 19 + order), order)
+    answer = (bumped - base)[19 + order :]
+    # By the equation without input: d(t+1) = 0.3 d + 0.05 (y sum(y) - y0 sum(y0)).
+    y, y0 = list(bumped), list(base)
+    for t in range(19 + order, 40 + order):
+        expected = 0.3 * (y[t] - y0[t]) + 0.05 * (
+            y[t] * sum(y[t - order + 1 : t + 1]) - y0[t] * sum(y0[t - order + 1 : t + 1])
+        )
+        assert answer[t + 1 - 19 - order] == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize("bits", [False, True])
+@pytest.mark.parametrize("order", [2, 5, 10, 20])
+def test_random_narma_gives_its_inputs_and_their_target(order, bits):
+    u, y = random_narma(3000, order, 3, bits=bits)
+    np.testing.assert_array_equal(y, narma(u, order))
+    assert set(u) == {0.0, 0.2} if bits else (u.min() >= 0.0 and 0.49 < u.max() < 0.5)
+    again = random_narma(3000, order, 3, bits=bits)
+    np.testing.assert_array_equal(u, again[0])
+    assert (u != random_narma(3000, order, 4, bits=bits)[0]).any()
+
+
+def test_inputs_that_diverge_are_drawn_again_whole():
+    """At height 0.62 about a tenth of the draws of 300 survive; those that do are the first that do."""
+    height, redrawn = 0.62, 0
+    for seed in range(10):
+        u, y = random_narma(300, 10, seed, height=height)
+        first = height * random_uniform(300, seed)
+        np.testing.assert_array_equal(y, narma(u, 10))
+        assert np.isfinite(y).all()
+        assert u.max() <= height
+        try:
+            narma(first, 10)
+        except ValueError:
+            redrawn += 1
+            assert (u != first).any()
+        else:
+            np.testing.assert_array_equal(u, first)
+    assert redrawn > 0
+
+
+def test_narma20_saturates_and_still_varies():
+    y = narma(random_narma(2000, 20, 0)[0], 20)[200:]
+    assert 1.1 < y.min() < y.max() < 1.2
+    assert y.std() == pytest.approx(0.009, rel=0.1)
 
 
 def test_a_diverging_narma_is_refused():
     with pytest.raises(ValueError, match=r"u must be small enough for NARMA-10 .* up to 0.5, which drive y to"):
-        narma10(np.full(2000, 0.5))
+        narma(np.full(2000, 0.5), 10)
     with pytest.raises(ValueError, match=r"u must be small enough for NARMA-2 .* up to 2"):
-        narma2(np.full(100, 2.0))
+        narma(np.full(100, 2.0), 2)
+    with pytest.raises(ValueError, match=r"height must be small enough for NARMA-10 .* 2000 steps, got 1"):
+        random_narma(2000, 10, 0, height=1.0)
 
 
 def test_bad_narma_input():
     with pytest.raises(ValueError, match=r"u must be 1-dimensional and not empty, got shape \(0,\)"):
-        narma2([])
+        narma([], 2)
     with pytest.raises(ValueError, match=r"u must be finite, got nan at index \(1,\)"):
-        narma10([0.1, np.nan])
+        narma([0.1, np.nan], 10)
+    with pytest.raises(ValueError, match=r"order must be one of \[2, 5, 10, 20\], got 11"):
+        narma([0.1], 11)
+    with pytest.raises(ValueError, match=r"height must be in \(0, inf\), got 0"):
+        random_narma(10, 2, 0, height=0)
 
 
 @given(st.lists(st.integers(0, 1), min_size=1, max_size=30), st.integers(1, 5), st.integers(0, 6))

@@ -1,0 +1,79 @@
+"""The tasks known by name."""
+
+from functools import partial
+
+import numpy as np
+
+from ..validation import whole_number
+from .chaos import lorenz, mackey_glass
+from .friction import FrictionTask
+from .narma import BITS_HEIGHT, random_narma, UNIFORM_HEIGHT
+from .parity import parity
+from .streams import random_bits
+from .task import ACCURACY, CAPACITY, NRMSE, Problem, SeriesTask, Task
+from .waveforms import waveforms
+
+__all__ = ["TASKS"]
+
+# Mackey-Glass is sampled every 6 units of time and foretold by 84, as is usual; Lorenz's x every 0.05, and by 0.5.
+_GLASS_STEP, _GLASS_AHEAD = 6.0, 14
+_LORENZ_STEP, _LORENZ_AHEAD = 0.05, 10
+# No solution leaves these, whatever the seed; Lorenz's, in practice.
+_GLASS_TOP, _LORENZ_TOP = 1.5, 25.0
+
+
+def _parity(order: int, length: int, seed: int) -> Problem:
+    # The parity of bits a delay ago is the parity stream delayed, so its capacity is a memory capacity.
+    bits = random_bits(length, seed)
+    return Problem(bits.astype(np.float64), bits.astype(np.float64), parity(bits, order).astype(np.float64), order - 1)
+
+
+def _narma(order: int, bits: bool, length: int, seed: int) -> Problem:
+    inputs, targets = random_narma(length, order, seed, bits=bits)
+    return Problem(inputs / (BITS_HEIGHT if bits else UNIFORM_HEIGHT), inputs, targets, order)
+
+
+def _mackey_glass(length: int, seed: int) -> Problem:
+    start = np.random.default_rng(whole_number("seed", seed, 0)).uniform(0.8, 1.3)
+    series = mackey_glass(whole_number("length", length, 1) + _GLASS_AHEAD, step=_GLASS_STEP, start=start)
+    inputs = series[:length]
+    return Problem(inputs / _GLASS_TOP, inputs, series[_GLASS_AHEAD:], 0)
+
+
+def _lorenz(length: int, seed: int) -> Problem:
+    start = np.random.default_rng(whole_number("seed", seed, 0)).uniform(-1.0, 1.0, 3)
+    series = lorenz(
+        whole_number("length", length, 1) + _LORENZ_AHEAD,
+        step=_LORENZ_STEP,
+        start=(start[0], start[1], 20.0 + start[2]),
+    )[:, 0]
+    inputs = series[:length]
+    return Problem(0.5 + 0.5 * inputs / _LORENZ_TOP, inputs, series[_LORENZ_AHEAD:], 0)
+
+
+def _waveforms(length: int, seed: int) -> Problem:
+    inputs, kinds = waveforms(length, seed)
+    return Problem(0.5 + 0.5 * inputs, inputs, kinds.astype(np.float64), 0)
+
+
+TASKS: dict[str, Task] = {
+    "memory capacity": SeriesTask(partial(_parity, 1), CAPACITY),
+    "parity-2 capacity": SeriesTask(partial(_parity, 2), CAPACITY),
+    "parity-3 capacity": SeriesTask(partial(_parity, 3), CAPACITY),
+    **{f"NARMA-{order} NRMSE": SeriesTask(partial(_narma, order, True), NRMSE) for order in (2, 5, 10, 20)},
+    **{f"NARMA-{order} uniform NRMSE": SeriesTask(partial(_narma, order, False), NRMSE) for order in (2, 5, 10, 20)},
+    "Mackey-Glass NRMSE": SeriesTask(_mackey_glass, NRMSE),
+    "Lorenz NRMSE": SeriesTask(_lorenz, NRMSE),
+    "waveform accuracy": SeriesTask(_waveforms, ACCURACY),
+    "static friction NRMSE": FrictionTask("static"),
+    "kinetic friction NRMSE": FrictionTask("kinetic"),
+}
+"""The tasks known by name, each named with its score. Add your own.
+
+A capacity is the corrected total of `memory_capacity` over delays 0 to ``DELAYS - 1``, the message being the
+parity of as many consecutive bits as the name says (memory: of one; parity-2 is exclusive or). More is better. These
+targets are uncorrelated, so the capacities of a reservoir sum to its number of features at most. NARMA is driven by
+bits of height 0.2, or uniformly from [0, 0.5]. Mackey-Glass is to be foretold by 84 units of time and Lorenz's x by
+0.5. Of an NRMSE less is better, and 1 is what the mean scores; of an accuracy more, and 0.5 is chance. All are scored
+on the second half of what the washout leaves, by a readout fitted on the first.
+"""

@@ -1,0 +1,199 @@
+"""The crawler as a scikit-learn transformer."""
+
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from ..validation import finite_array, whole_number
+from .reservoirs import BodyReservoir, READINGS
+
+__all__ = ["CrawlerReservoir"]
+
+
+class CrawlerReservoir(TransformerMixin, BaseEstimator):
+    """Turn a series into the motion of a crawler that it drives, for a linear readout to follow.
+
+    Rows are samples in order of time. Row k of the result is read while sample k drives the valve: it has absorbed
+    the samples up to k and none after it. Each column of the input drives a crawler of its own.
+
+    Every call of `transform` starts with the body at rest, so that no series leaks into the next, and gives one row
+    for every sample. A start at rest is no part of a series, and a transformer in a pipeline may not drop its rows,
+    since the target's stay. So the start is washed out beforehand: the body is first driven by `washout` copies of
+    the first sample, of which no row is kept. What the first rows lack then is the series' own past, which no
+    transformer can know. To keep them out of a fit give them no weight, and to keep them out of a score, leave them
+    out: ``make_pipeline(CrawlerReservoir(), Ridge()).fit(X, y, ridge__sample_weight=np.arange(len(X)) >= 100)``.
+
+    Parameters
+    ----------
+    groups : Groups, str, mapping or None
+        As in `stickslip.Groups.of`.
+    scene : Scene, mapping or None
+        As in `stickslip.Scene.of`. Of a chain every segment is read.
+    hold : float, in (0, inf)
+        Length of a hold, natural units.
+    encoding : {"pulse_width", "threshold", "sigma_delta"}
+        How a sample becomes what the valve does; see `stickslip.tasks.encodings` for what each loses.
+    holds_per_sample : int, at least 1
+        Holds that each sample lasts.
+    virtual_nodes : int, at least 1
+        Readings a sample, equally spaced in time, the last at its end.
+    readings : sequence of str
+        Some of "deformation", "velocity", "pressure" and "foot_velocity".
+    washout : int, at least 0
+        Samples for which the body is driven by the first one, before it.
+    input_range : (float, float) or None
+        What shuts the valve and what opens it for a whole sample. None takes the least and the greatest value of each
+        column that `fit` has seen. Beyond them the valve is shut or open: it can do no more.
+    tolerance : float, in [1e-15, 1e-2]
+        As in `stickslip.simulate`.
+
+    Attributes
+    ----------
+    n_features_in_ : int
+        Columns of the input.
+    feature_names_in_ : ndarray of str
+        Their names, where it has names.
+    input_range_ : ndarray of shape (n_features_in_, 2)
+        What shuts the valve and what opens it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from sklearn.linear_model import Ridge
+    >>> from sklearn.pipeline import make_pipeline
+    >>> from stickslip import CrawlerReservoir
+    >>> u = np.random.default_rng(0).random(600)
+    >>> model = make_pipeline(CrawlerReservoir(), Ridge(1e-6)).fit(u[:400, None], np.roll(u, 1)[:400])
+    >>> bool(model.score(u[400:, None], np.roll(u, 1)[400:]) > 0.5)
+    True
+    """
+
+    def __init__(
+        self,
+        groups: Any = None,
+        *,
+        scene: Any = None,
+        hold: float = 0.5,
+        encoding: str = "pulse_width",
+        holds_per_sample: int = 1,
+        virtual_nodes: int = 4,
+        readings: Any = READINGS,
+        washout: int = 100,
+        input_range: Any = None,
+        tolerance: float = 1e-9,
+    ) -> None:
+        self.groups = groups
+        self.scene = scene
+        self.hold = hold
+        self.encoding = encoding
+        self.holds_per_sample = holds_per_sample
+        self.virtual_nodes = virtual_nodes
+        self.readings = readings
+        self.washout = washout
+        self.input_range = input_range
+        self.tolerance = tolerance
+
+    def fit(self, X: ArrayLike, y: Any = None) -> Self:
+        """Check the parameters, and learn the input's range unless it is given.
+
+        Parameters
+        ----------
+        X : array_like of shape (samples, columns), or (samples,) for a single one
+        y : ignored
+
+        Returns
+        -------
+        CrawlerReservoir
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a parameter is invalid, or `X` is empty or not finite.
+        """
+        self._body()
+        whole_number("washout", self.washout, 0)
+        values = self._validated(X, reset=True)
+        if self.input_range is None:
+            self.input_range_ = np.stack([values.min(axis=0), values.max(axis=0)], axis=1)
+        else:
+            given = finite_array("input_range", self.input_range, 1)
+            if len(given) != 2 or not given[0] < given[1]:
+                raise ValueError(f"input_range must be two ascending numbers, got {self.input_range!r}")
+            self.input_range_ = np.tile(given, (values.shape[1], 1))
+        return self
+
+    def transform(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Drive the body from rest by one series.
+
+        Parameters
+        ----------
+        X : array_like of shape (samples, columns), or (samples,) for a single one
+
+        Returns
+        -------
+        ndarray of shape (samples, features)
+            Named by `get_feature_names_out`.
+
+        Raises
+        ------
+        ValueError
+            If `X` has another number of columns than `fit` has seen, is empty or not finite.
+        """
+        check_is_fitted(self)
+        body, washout = self._body(), whole_number("washout", self.washout, 0)
+        values = self._validated(X, reset=False)
+        low, high = self.input_range_.T
+        # A column that never varied shuts the valve.
+        opened = np.clip((values - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
+        driven = np.concatenate([np.repeat(opened[:1], washout, axis=0), opened])
+        return np.hstack([body(column)[washout:] for column in driven.T])
+
+    def get_feature_names_out(self, input_features: Any = None) -> NDArray[np.object_]:
+        """Names of the features, such as "velocity_3" (of the fourth reading of a sample).
+
+        Parameters
+        ----------
+        input_features : sequence of str, optional
+            Names of the columns, which come first where there are several; those that `fit` has seen by default.
+
+        Returns
+        -------
+        ndarray of str objects, shape (features,)
+        """
+        check_is_fitted(self)
+        count = self.n_features_in_
+        seen = getattr(self, "feature_names_in_", None)
+        if input_features is None:
+            columns = [f"x{i}" for i in range(count)] if seen is None else list(seen)
+        else:
+            columns = list(input_features)
+            if len(columns) != count:
+                raise ValueError(f"input_features should have length equal to {count}, got {len(columns)}")
+            if seen is not None and columns != list(seen):
+                raise ValueError(f"input_features is not equal to feature_names_in_, {list(seen)}, got {columns}")
+        names = self._body().feature_names
+        if count == 1:
+            return np.array(names, dtype=object)
+        return np.array([f"{column}_{name}" for column in columns for name in names], dtype=object)
+
+    def _body(self) -> BodyReservoir:
+        return BodyReservoir(
+            groups=self.groups,
+            scene=self.scene,
+            hold=self.hold,
+            encoding=self.encoding,
+            holds_per_sample=self.holds_per_sample,
+            virtual_nodes=self.virtual_nodes,
+            readings=self.readings,
+            tolerance=self.tolerance,
+        )
+
+    def _validated(self, X: ArrayLike, *, reset: bool) -> NDArray[np.float64]:
+        flat = getattr(X, "ndim", None) == 1 or (isinstance(X, list | tuple) and np.ndim(X) == 1)
+        if flat and (reset or self.n_features_in_ == 1):
+            X = np.asarray(X).reshape(-1, 1)
+        values: NDArray[np.float64] = validate_data(self, X, dtype=np.float64, reset=reset)
+        return values

@@ -1,0 +1,261 @@
+"""The tasks themselves: what drives, what is to be read out, and how it is scored."""
+
+import numpy as np
+import pytest
+
+from stickslip import Groups, Scene
+from stickslip.tasks import (
+    ACCURACY,
+    BodyReservoir,
+    CAPACITY,
+    EchoState,
+    FrictionTask,
+    known_reservoirs,
+    lorenz,
+    mackey_glass,
+    narma,
+    NRMSE,
+    parity,
+    SeriesTask,
+    TASKS,
+)
+
+SERIES_TASKS = {name: task for name, task in TASKS.items() if isinstance(task, SeriesTask)}
+
+
+@pytest.mark.parametrize("name", SERIES_TASKS)
+def test_a_draw_is_repeatable_bounded_and_scaled_by_constants(name):
+    task = SERIES_TASKS[name]
+    first, same, other = task.draw(400, 0), task.draw(400, 0), task.draw(400, 1)
+    np.testing.assert_array_equal(first.drive, same.drive)
+    np.testing.assert_array_equal(first.targets, same.targets)
+    assert (first.drive != other.drive).any()
+    assert len(first.drive) == len(first.inputs) == len(first.targets) == 400
+    for problem in (first, other):
+        assert 0.0 <= problem.drive.min() < problem.drive.max() <= 1.0
+    # One affine map serves all seeds, so that nothing is learned of the samples to be scored.
+    slope, offset = np.polyfit(first.inputs, first.drive, 1)
+    np.testing.assert_allclose(other.drive, slope * other.inputs + offset, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_parities_do_not_depend_on_the_bits_before_once_warmed_up(order):
+    problem = TASKS["memory capacity" if order == 1 else f"parity-{order} capacity"].draw(300, 0)
+    late = parity(problem.inputs[50:].astype(int), order)
+    assert problem.warm_up == order - 1
+    np.testing.assert_array_equal(late[problem.warm_up :], problem.targets[50 + problem.warm_up :])
+
+
+@pytest.mark.parametrize("order", [2, 5, 10, 20])
+def test_narma_tasks_give_their_inputs(order):
+    for kind, height in (("", 0.2), (" uniform", 0.5)):
+        problem = TASKS[f"NARMA-{order}{kind} NRMSE"].draw(300, 0)
+        np.testing.assert_array_equal(problem.targets, narma(problem.inputs, order))
+        np.testing.assert_allclose(problem.inputs, height * problem.drive, rtol=1e-15)
+        assert problem.warm_up == order
+
+
+def test_forecasts_are_of_the_series_itself():
+    glass = TASKS["Mackey-Glass NRMSE"].draw(200, 0)
+    np.testing.assert_array_equal(glass.targets[:-14], glass.inputs[14:])
+    wing = TASKS["Lorenz NRMSE"].draw(200, 0)
+    np.testing.assert_array_equal(wing.targets[:-10], wing.inputs[10:])
+    assert glass.inputs.std() == pytest.approx(mackey_glass(2000, step=6.0).std(), rel=0.1)
+    assert wing.inputs.std() == pytest.approx(lorenz(2000)[:, 0].std(), rel=0.2)
+
+
+def oracle(name):
+    """A reservoir that knows the target."""
+    problem = SERIES_TASKS[name].draw(1500, 5)
+    return lambda drive, seed: problem.targets[:, None] + 0.0
+
+
+@pytest.mark.parametrize("name", SERIES_TASKS)
+def test_who_knows_the_target_scores_best_and_who_knows_nothing_by_chance(name):
+    task = SERIES_TASKS[name]
+    best = task.attempt(oracle(name), length=1500, seed=5, washout=100)
+    noise = np.random.default_rng(0).standard_normal((1500, 4))
+    chance = task.attempt(lambda drive, seed: noise, length=1500, seed=5, washout=100)
+    ideal = {"NRMSE": 0.0, "accuracy": 1.0, "capacity": 1.0}[task.metric.name]
+    assert best.score == pytest.approx(ideal, abs=2e-4)
+    assert chance.score == pytest.approx(task.metric.chance, abs=0.12)
+    assert task.metric.prefers(best.score, chance.score)
+    assert not task.metric.prefers(chance.score, best.score)
+
+
+def test_an_nrmse_divides_by_the_standard_deviation():
+    targets = np.random.default_rng(0).standard_normal(4000)
+    noisy = targets[:, None] + 0.5 * np.random.default_rng(1).standard_normal((4000, 1))
+    solution = NRMSE.solve(noisy, targets, 0)
+    # The best linear readout of t + e leaves Var e / (1 + Var e) of the variance.
+    assert solution.score == pytest.approx(np.sqrt(0.25 / 1.25), rel=0.03)
+    np.testing.assert_array_equal(solution.target, targets[2000:])
+    error = np.sqrt(np.mean((solution.prediction - solution.target) ** 2)) / solution.target.std()
+    assert solution.score == pytest.approx(error)
+
+
+def test_samples_before_the_washout_are_never_scored():
+    task = TASKS["NARMA-2 NRMSE"]
+    problem = task.draw(1000, 0)
+    states = np.random.default_rng(0).standard_normal((1000, 3))
+    states[:, 0] = problem.targets
+
+    def spoiled(count):
+        wrong = states.copy()
+        wrong[:count] = 1e6
+        return task.attempt(lambda drive, seed: wrong, length=1000, seed=0, washout=200).score
+
+    assert spoiled(200) == task.attempt(lambda drive, seed: states, length=1000, seed=0, washout=200).score
+    assert spoiled(201) > 10 * spoiled(200)
+    # The warm-up is left out even without a washout.
+    wrong = states.copy()
+    wrong[: problem.warm_up] = 1e6
+    scores = [
+        task.attempt(lambda drive, seed, given=given: given, length=1000, seed=0, washout=0).score
+        for given in (states, wrong)
+    ]
+    assert problem.warm_up == 2
+    assert scores[0] == scores[1]
+
+
+class Spied:
+    """A reservoir whose states are the target where `known`, and noise elsewhere."""
+
+    def __init__(self, targets, known, candidates=()):
+        self.targets, self.known, self.candidates = targets, known, candidates
+
+    def __call__(self, drive, seed):
+        noise = np.random.default_rng(0).standard_normal(len(drive))
+        return np.where(self.known, self.targets, noise)[:, None]
+
+
+@pytest.mark.parametrize("name", ["NARMA-2 NRMSE", "memory capacity", "waveform accuracy"])
+def test_tuning_sees_no_sample_that_is_scored(name):
+    """Of two candidates it takes the one that knows the training half, though the other knows the scored half."""
+    task = TASKS[name]
+    targets = task.draw(1000, 0).targets
+    training = np.arange(1000) < 600
+    learned, scored = Spied(targets, training), Spied(targets, ~training)
+    for candidates in ((learned, scored), (scored, learned)):
+        chosen = task.attempt(Spied(targets, training, candidates), length=1000, seed=0, washout=200)
+        assert chosen.score == task.attempt(learned, length=1000, seed=0, washout=200).score
+
+
+def test_a_tuned_network_beats_the_default_where_the_default_is_wrong():
+    for name in ("parity-3 capacity", "NARMA-2 NRMSE"):
+        task = TASKS[name]
+        plain, tuned = (
+            task.attempt(EchoState(12, tune=tune), length=2000, seed=0, washout=200).score for tune in (False, True)
+        )
+        assert task.metric.prefers(tuned, plain)
+    assert EchoState(12).candidates == ()
+    assert len(set(EchoState(12, tune=True).candidates)) == 16
+
+
+# The ground's friction
+
+
+@pytest.mark.parametrize("which", ["static", "kinetic"])
+def test_a_body_on_the_ground_feels_its_friction_and_nothing_else_does(which):
+    task = FrictionTask(which)
+    scores = {
+        name: task.attempt(reservoir, length=6000, seed=0, washout=0).score
+        for name, reservoir in known_reservoirs(6).items()
+    }
+    assert scores.pop("crawler") < 0.7
+    assert scores.pop("chain of 3") < 0.9
+    for score in scores.values():
+        assert score == pytest.approx(task.metric.chance, abs=0.05)
+
+
+def test_the_grounds_are_within_their_ranges_and_kinetic_friction_is_the_lesser():
+    static, kinetic = FrictionTask().draw(2000, 0).T
+    assert 0.05 <= static.min() < 0.06
+    assert 0.49 < static.max() <= 0.5
+    assert (kinetic / static).min() >= 0.4
+    assert (kinetic <= static).all()
+
+
+def test_each_ground_is_met_at_rest_by_a_body_of_that_friction():
+    body = BodyReservoir(virtual_nodes=2)
+    grounds = [(0.4, 0.3), (0.1, 0.05), (0.4, 0.3)]
+    states = body.on_grounds([1.0, 0.0, 1.0], grounds)
+    for row, (s, k) in zip(states, grounds, strict=True):
+        alone = BodyReservoir(groups=Groups(static_friction=s, kinetic_friction=k), virtual_nodes=2)
+        np.testing.assert_array_equal(row, alone([1.0, 0.0, 1.0]))
+
+
+# Reservoirs
+
+
+@pytest.mark.parametrize("features", [6, 12, 60])
+@pytest.mark.parametrize("encoding", ["pulse_width", "sigma_delta"])
+def test_every_reservoir_has_the_features_it_counts_and_no_more_than_asked_for(features, encoding):
+    drive = np.random.default_rng(0).random(20)
+    for name, reservoir in known_reservoirs(features, encoding=encoding, holds_per_sample=2).items():
+        states = reservoir(drive, 0)
+        assert states.shape == (20, reservoir.features)
+        assert np.isfinite(states).all()
+        if "chain" not in name:
+            assert reservoir.features == features
+        elif features >= 7:
+            assert features - 7 < reservoir.features <= features
+
+
+def test_the_ladder_of_bodies_adds_one_part_at_a_time():
+    known = known_reservoirs(12, groups={"deborah": 0.7})
+    assert known["anchored"].scene == Scene(anchored=True)
+    assert known["linear"].groups == Groups(deborah=0.7, duffing=0.0, radial_coupling=0.0)
+    assert known["pressure only"].readings == ("pressure",)
+    drive = np.random.default_rng(0).random(50)
+    # The pressure obeys the lag alone: p' = (u - p) / deborah, with a state of one number.
+    p, rows = 0.0, []
+    for value in drive:
+        for j in range(1, 13):
+            t = 0.5 * j / 12
+            top = 1 - (1 - p) * np.exp(-min(t, 0.5 * value) / 0.7)
+            rows.append(top * np.exp(-max(0.0, t - 0.5 * value) / 0.7))
+        p = rows[-1]
+    np.testing.assert_allclose(known["pressure only"](drive, 0).ravel(), rows, rtol=1e-12)
+
+
+def test_the_linear_body_is_an_affine_map_of_three_states():
+    drive = np.random.default_rng(0).integers(0, 2, 400).astype(float)
+    memory = TASKS["memory capacity"].metric.solve(known_reservoirs(12)["linear"](drive, 0), drive, 100).memory
+    assert memory.bound == 4
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: known_reservoirs(10), "features must be a multiple of 3, got 10"),
+        (lambda: known_reservoirs(12, segments=1), "segments must be a whole number >= 2, got 1"),
+        (lambda: EchoState(0), "nodes must be a whole number >= 1, got 0"),
+        (lambda: BodyReservoir(readings=["pressure", "pressure"]), "none twice"),
+        (lambda: BodyReservoir()([0.5, 1.5]), r"series must be in \[0, 1\], got 1.5 at index 1"),
+        (lambda: FrictionTask("rolling"), "which must be 'static' or 'kinetic', got 'rolling'"),
+        (lambda: FrictionTask(word="12"), "word must be of 0 and 1 and not empty, got '12'"),
+        (lambda: FrictionTask(repeats=0), "repeats must be a whole number >= 1, got 0"),
+        (
+            lambda: TASKS["static friction NRMSE"].attempt(BodyReservoir(), length=10, seed=0, washout=0),
+            "length must be a whole number >= 60, got 10",
+        ),
+        (
+            lambda: TASKS["NARMA-20 NRMSE"].attempt(BodyReservoir(), length=20, seed=0, washout=5),
+            "length must be more than the 20 samples that are washed out or warm up, got 20",
+        ),
+        (
+            lambda: TASKS["Lorenz NRMSE"].attempt(BodyReservoir(), length=100, seed=0, washout=99),
+            "states must have at least 24 samples for 12 features",
+        ),
+    ],
+)
+def test_bad_input(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_metrics_know_their_direction():
+    assert CAPACITY.prefers(2.0, 1.0)
+    assert ACCURACY.prefers(0.9, 0.5)
+    assert NRMSE.prefers(0.1, 0.5)

@@ -1,0 +1,180 @@
+import doctest
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+from sklearn.linear_model import Ridge
+from sklearn.model_selection import cross_val_score, GridSearchCV, TimeSeriesSplit
+from sklearn.pipeline import make_pipeline
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+import stickslip
+from stickslip import CrawlerReservoir, Groups, Scene, simulate
+from stickslip.tasks import transformer
+
+SERIES = np.random.default_rng(0).random(60)
+DELAYED = np.roll(SERIES, 1)
+
+EXPECTED_FAILURES = {
+    "check_fit1d": "a series may have one dimension",
+    "check_methods_sample_order_invariance": "samples are in order of time, and each state holds those before it",
+    "check_methods_subset_invariance": "every call starts the body at rest, as a series of its own",
+}
+
+
+@parametrize_with_checks(
+    [CrawlerReservoir(washout=3)], expected_failed_checks=lambda _: EXPECTED_FAILURES, xfail_strict=True
+)
+def test_scikit_learns_checks(estimator, check):
+    check(estimator)
+
+
+def test_rows_are_the_body_read_while_each_sample_drives_it():
+    reservoir = CrawlerReservoir(virtual_nodes=3, washout=0, input_range=(0, 1), hold=0.7)
+    motion = simulate(Groups(), SERIES, 0.7, samples_per_hold=3)
+    expected = np.hstack([getattr(motion, name).reshape(60, 3) for name in ("deformation", "velocity", "pressure")])
+    np.testing.assert_array_equal(reservoir.fit_transform(SERIES), expected)
+    np.testing.assert_array_equal(reservoir.fit_transform(SERIES[:, None]), expected)
+
+
+def test_the_washout_is_the_first_sample_held_before_the_series():
+    given_range = {"input_range": (0, 1), "virtual_nodes": 2}
+    washed = CrawlerReservoir(washout=7, **given_range).fit_transform(SERIES)
+    from_rest = CrawlerReservoir(washout=0, **given_range)
+    before = from_rest.fit_transform(np.concatenate([np.repeat(SERIES[0], 7), SERIES]))
+    assert len(washed) == 60
+    np.testing.assert_array_equal(washed, before[7:])
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(1, 50), st.floats(0.0, 1.0), st.sampled_from(["pulse_width", "threshold", "sigma_delta"]))
+def test_no_row_knows_the_future(count, other, encoding):
+    reservoir = CrawlerReservoir(encoding=encoding, holds_per_sample=2, washout=5, input_range=(0, 1)).fit(SERIES)
+    changed = SERIES.copy()
+    changed[count:] = other
+    np.testing.assert_array_equal(reservoir.transform(changed)[:count], reservoir.transform(SERIES)[:count])
+
+
+def test_nothing_of_one_series_is_left_in_the_next():
+    reservoir = CrawlerReservoir(washout=0).fit(SERIES)
+    first = reservoir.transform(SERIES)
+    reservoir.transform(1 - SERIES)
+    np.testing.assert_array_equal(reservoir.transform(SERIES), first)
+
+
+def test_the_range_is_learned_from_what_is_fitted_and_the_valve_does_no_more():
+    reservoir = CrawlerReservoir(washout=0, readings=["pressure"]).fit(2.0 * SERIES[:50] - 1.0)
+    np.testing.assert_array_equal(reservoir.input_range_, [[2 * SERIES[:50].min() - 1, 2 * SERIES[:50].max() - 1]])
+    inside = reservoir.transform([[reservoir.input_range_[0, 1]], [reservoir.input_range_[0, 0]]])
+    np.testing.assert_array_equal(reservoir.transform([[1e9], [-1e9]]), inside)
+
+
+def test_a_constant_series_shuts_the_valve():
+    np.testing.assert_array_equal(CrawlerReservoir().fit_transform(np.full(5, 3.0)), np.zeros((5, 12)))
+
+
+def test_every_column_drives_a_body_of_its_own():
+    both = np.stack([SERIES, DELAYED], axis=1)
+    reservoir = CrawlerReservoir(virtual_nodes=1).fit(both)
+    left, right = (CrawlerReservoir(virtual_nodes=1).fit_transform(column) for column in both.T)
+    np.testing.assert_array_equal(reservoir.transform(both), np.hstack([left, right]))
+    names = reservoir.get_feature_names_out().tolist()
+    assert names == [f"x{i}_{name}_0" for i in (0, 1) for name in ("deformation", "velocity", "pressure")]
+    assert reservoir.get_feature_names_out(["a", "b"])[0] == "a_deformation_0"
+
+
+def test_a_chain_gives_the_states_of_its_segments():
+    reservoir = CrawlerReservoir(
+        scene={"segments": 2, "tube_mass": 0.3}, virtual_nodes=2, washout=0, input_range=(0, 1)
+    )
+    states = reservoir.fit_transform(SERIES[:10])
+    names = reservoir.get_feature_names_out().tolist()
+    assert names[:4] == ["deformation0_0", "deformation0_1", "deformation1_0", "deformation1_1"]
+    assert names[-2:] == ["pressure_0", "pressure_1"]
+    assert states.shape == (10, len(names)) == (10, 10)
+    scene = Scene(segments=2, tube_mass=0.3)
+    motion = simulate(Groups(), SERIES[:10], 0.5, scene=scene, samples_per_hold=2)
+    column = states[:, names.index("velocity1_1")]
+    np.testing.assert_array_equal(column, motion.segment_velocity[1, 1::2])
+
+
+@pytest.mark.parametrize(("holds", "nodes"), [(1, 4), (4, 1), (4, 6), (3, 5), (6, 4)])
+def test_virtual_nodes_are_equally_spaced_over_a_sample_of_any_number_of_holds(holds, nodes):
+    reservoir = CrawlerReservoir(
+        holds_per_sample=holds, virtual_nodes=nodes, readings="pressure", washout=0, input_range=(0, 1)
+    )
+    states = reservoir.fit_transform(SERIES[:5])
+    motion = simulate(Groups(), np.repeat(SERIES[:5], holds), 0.5, samples_per_hold=60)
+    every = 60 * holds // nodes
+    np.testing.assert_allclose(states.ravel(), motion.pressure[every - 1 :: every], rtol=1e-12)
+
+
+def test_it_works_in_pipelines_searches_and_time_series_splits():
+    model = make_pipeline(CrawlerReservoir(washout=20), Ridge(1e-6))
+    scores = cross_val_score(model, SERIES[:, None], DELAYED, cv=TimeSeriesSplit(3))
+    assert scores.shape == (3,)
+    grid = {"crawlerreservoir__hold": [0.1, 0.5], "crawlerreservoir__groups": ["linear", {"deborah": 1.0}, Groups()]}
+    search = GridSearchCV(model, grid, cv=TimeSeriesSplit(3)).fit(SERIES[:, None], DELAYED)
+    assert np.isfinite(search.cv_results_["mean_test_score"]).all()
+    weights = np.arange(60) >= 10
+    fitted = clone(model).fit(SERIES[:, None], DELAYED, ridge__sample_weight=weights)
+    late = Ridge(1e-6).fit(CrawlerReservoir(washout=20).fit_transform(SERIES)[10:], DELAYED[10:])
+    np.testing.assert_allclose(fitted[-1].coef_, late.coef_, rtol=1e-5, atol=1e-8)
+
+
+def test_it_is_cloned_set_and_pickled():
+    reservoir = CrawlerReservoir({"deborah": 2.0}, scene=Scene(anchored=True)).set_params(hold=0.3)
+    assert clone(reservoir).get_params() == reservoir.get_params()
+    states = reservoir.fit_transform(SERIES)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(reservoir)).transform(SERIES), states)
+
+
+def test_importing_the_package_leaves_it_out_until_it_is_used():
+    code = (
+        "import sys, stickslip; assert 'stickslip.tasks' not in sys.modules;"
+        "stickslip.CrawlerReservoir; assert 'sklearn' in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+    assert "CrawlerReservoir" in stickslip.__all__
+
+
+def test_the_examples_of_the_docstring():
+    assert doctest.testmod(transformer).failed == 0
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "message"),
+    [
+        ({"groups": "octopus"}, ValueError, "groups must be one of the presets .* got 'octopus'"),
+        ({"scene": {"tilt": 1}}, ValueError, "scene has no 'tilt'"),
+        ({"hold": 0.0}, ValueError, r"hold must be in \(0, inf\), got 0.0"),
+        ({"encoding": "morse"}, ValueError, r"encoding must be one of .* got 'morse'"),
+        ({"holds_per_sample": 1.5}, TypeError, "holds_per_sample must be a whole number >= 1, got 1.5"),
+        ({"virtual_nodes": 0}, ValueError, "virtual_nodes must be a whole number >= 1, got 0"),
+        ({"readings": ["colour"]}, ValueError, "readings has no 'colour'"),
+        ({"readings": []}, ValueError, r"readings must hold at least one reading and none twice, got \[\]"),
+        ({"washout": -1}, ValueError, "washout must be a whole number >= 0, got -1"),
+        ({"input_range": (1, 0)}, ValueError, r"input_range must be two ascending numbers, got \(1, 0\)"),
+        ({"tolerance": 1.0}, ValueError, r"tolerance must be in \[1e-15, 1e-2\], got 1.0"),
+    ],
+)
+def test_bad_parameters(change, error, message):
+    with pytest.raises(error, match=message):
+        CrawlerReservoir(**change).fit(SERIES)
+
+
+def test_bad_input():
+    with pytest.raises(ValueError, match="contains NaN"):
+        CrawlerReservoir().fit([[0.0], [np.nan]])
+    with pytest.raises(NotFittedError):
+        CrawlerReservoir().transform(SERIES)
+    with pytest.raises(ValueError, match="X has 2 features, but CrawlerReservoir is expecting 1"):
+        CrawlerReservoir().fit(SERIES).transform(np.zeros((3, 2)))
+    with pytest.raises(ValueError, match="input_features should have length equal to 1, got 2"):
+        CrawlerReservoir().fit(SERIES).get_feature_names_out(["a", "b"])
