@@ -1,7 +1,7 @@
 """The seven dimensionless groups that fix a crawler, and named choices of them."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from ..validation import known_names, number_within
@@ -105,7 +105,7 @@ class Groups:
 
     def to_dict(self) -> dict[str, float]:
         """Fields by name, ready for JSON."""
-        return asdict(self)
+        return {name: getattr(self, name) for name in self.__slots__}
 
 
 PRESETS: dict[str, Groups] = {

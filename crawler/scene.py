@@ -1,7 +1,7 @@
 """What is in the world around the body."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from ..validation import known_names, number_within, whole_number
@@ -85,4 +85,4 @@ class Scene:
 
     def to_dict(self) -> dict[str, Any]:
         """Fields by name, ready for JSON."""
-        return asdict(self)
+        return {name: getattr(self, name) for name in self.__slots__}
