@@ -7,7 +7,7 @@ from ..compilation import compiled, formula, merged
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
 from .equations import foot_velocity_at, force, force_terms, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative, sharp_descent
-from .workspace import FIRST, FORCE, HIGHEST, LOWEST, SCRATCH, STEP, V, Z
+from .workspace import END_V, FIRST, FLATTEST, FORCE, HIGHEST, LENGTH, LOWEST, SCRATCH, STEEPEST, STEP, V, Z
 
 __all__ = [
     "breaking_loose",
@@ -33,8 +33,7 @@ def next_event(
     body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
 ) -> tuple[float, int]:
     """Where the step ends, at most at `length`, and the motion that follows."""
-    reach = series[STEP, LOWEST], series[STEP, HIGHEST], series[STEP, FIRST]
-    if physics.anchored | is_quiet(body, physics, series[FORCE, 0], *reach):
+    if physics.anchored | is_quiet(body, physics, series[FORCE, 0], series[STEP]):
         return length, body.motion
     if body.motion == STUCK:
         return breaking_loose(body, physics, valve, order, length, series)
@@ -49,17 +48,32 @@ def next_event(
 
 
 @formula
-def is_quiet(body: Body, physics: Physics, pull: float, lowest: float, highest: float, first: float) -> bool:
-    """Whether the sizes of the terms alone show that nothing happens on the step, which begins with the force `pull`.
+def is_quiet(body: Body, physics: Physics, pull: float, reach: NDArray[np.float64]) -> bool:
+    """Whether bounds alone show that nothing happens on the step, which begins with the force `pull`.
 
-    The speed of a foot that slides from rest is t times a polynomial, whose constant term is then the first.
+    `reach` is the row STEP. The speed of a foot that slides from rest is t times a polynomial, whose constant term is
+    then the first.
     """
+    lowest, highest, first = reach[LOWEST], reach[HIGHEST], reach[FIRST]
+    rises, falls = reach[STEEPEST] >= 0.0, reach[FLATTEST] <= 0.0
+    change = lowest + highest
+
     speed = body.motion * body.foot_velocity
-    slides = (speed + lowest > 0.0) | ((speed == 0.0) & (first + lowest > 0.0))
+    slides = _stays_positive(speed, lowest, change, rises, falls) | ((speed == 0.0) & (first + lowest > 0.0))
+    # By momentum, as the state will have it: a stop that rounding alone hides is no quiet end.
+    slides = slides & (body.motion * foot_velocity_at(body, physics, reach[END_V], reach[LENGTH]) > 0.0)
+
     weighed = pull + physics.foot_fraction * physics.slope
-    backward = physics.static_friction - weighed - highest > 0.0
-    rests = (physics.static_friction + weighed + lowest > 0.0) & (physics.ratchet | backward)
+    forward = _stays_positive(physics.static_friction + weighed, lowest, change, rises, falls)
+    backward = _stays_positive(physics.static_friction - weighed, -highest, -change, falls, rises)
+    rests = forward & (physics.ratchet | backward)
     return ((body.motion == STUCK) & rests) | ((body.motion != STUCK) & slides)
+
+
+@formula
+def _stays_positive(start: float, lowest: float, change: float, rises: bool, falls: bool) -> bool:
+    """Whether a function is positive on the step, by the least of its terms or as it is monotone."""
+    return (start + lowest > 0.0) | ((start > 0.0) & (rises | (falls & (start + change > 0.0))))
 
 
 @merged

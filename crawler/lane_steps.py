@@ -13,7 +13,7 @@ from .equations import moved, pressure_after
 from .events import is_quiet
 from .recurrence import step, value
 from .taylor import is_sound, step_inputs
-from .workspace import END_FORCE, END_V, END_Z, FIRST, FORCE, HIGHEST, LENGTH, LOWEST, STEP, V, WIDTH, Z
+from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, WIDTH, Z
 
 __all__ = [
     "BEGIN",
@@ -21,6 +21,7 @@ __all__ = [
     "CRAWLER",
     "DONE",
     "ELAPSED",
+    "END",
     "HOLD",
     "LANES",
     "LANE_ROWS",
@@ -37,11 +38,11 @@ __all__ = [
     "step_lanes",
 ]
 
-LANES = 16
+LANES = 8
 COLUMNS = WIDTH
 # Rows of the lanes' array after Z, V, (P) and FORCE.
-STATE, HOLD, PHYSICS, SAMPLING, SAMPLE = STEP + 1, STEP + 2, STEP + 3, STEP + 4, STEP + 5
-LANE_ROWS = STEP + 6
+STATE, HOLD, PHYSICS, SAMPLING, SAMPLE, END = range(STEP + 1, STEP + 7)
+LANE_ROWS = STEP + 7
 # Columns of the row STATE: the fields of `Body`, and the time into the hold.
 MOTION, SLIPS, ELAPSED = 5, 6, 7
 # Columns of the row HOLD: the pressure at its start, its valve, and which crawler this is.
@@ -53,8 +54,8 @@ DONE, BEGIN, REACHED = range(3)
 def _step(order: int, rows: Any, tolerance: Any, hold: Any, count: Any) -> tuple[dict[int, list[Any]], list[Any]]:
     """The step, taken where nothing happens on it.
 
-    Truths: the lanes that have taken it, those that reach the end of the hold if they have, and those with samples on
-    the way.
+    Truths: the lanes that have taken it, those that reach the end of the hold if they have, those with samples on the
+    way, and those whose series can be trusted to the end of the step.
     """
     body, coefficients = _lane(rows)
     elapsed = rows[STATE][ELAPSED]
@@ -67,10 +68,11 @@ def _step(order: int, rows: Any, tolerance: Any, hold: Any, count: Any) -> tuple
     opening = body._replace(pressure=rows[HOLD][OPENING])
     pressure = pressure_after(opening, coefficients, valve, elapsed + length)
     end = moved(body, coefficients, z, v, pressure, length)
-    quiet = is_quiet(body, coefficients, series[FORCE][0], reach[LOWEST], reach[HIGHEST], reach[FIRST])
+    quiet = is_quiet(body, coefficients, series[FORCE][0], reach)
     finite = abs(series[V][order + 1]) < float("inf")
     sound = is_sound(coefficients, body.motion, z, v, pressure, expected, tolerance)
-    calm = finite & sound & (coefficients.anchored | quiet) & is_near(end)
+    sure = finite & sound
+    calm = sure & (coefficients.anchored | quiet) & is_near(end)
 
     last = length >= remaining
     reached = where(last, hold, elapsed + length)
@@ -80,7 +82,8 @@ def _step(order: int, rows: Any, tolerance: Any, hold: Any, count: Any) -> tuple
     reached = where(calm, reached, -1.0)
     due = moment_of(done, count, hold) <= reached
     sampling = [done, elapsed, reached]
-    return {**{row: series[row] for row in (Z, V, FORCE, STEP)}, STATE: state, SAMPLING: sampling}, [calm, last, due]
+    written = {row: series[row] for row in (Z, V, FORCE, STEP)}
+    return {**written, STATE: state, SAMPLING: sampling, END: list(end[:MOTION])}, [calm, last, due, sure]
 
 
 def _sample(order: int, rows: Any, hold: Any, count: Any) -> tuple[dict[int, list[Any]], list[Any]]:
@@ -103,5 +106,5 @@ def _lane(rows: Any) -> tuple[Body, Physics]:
     return body, Physics(*numbers, anchored != 0.0, ratchet != 0.0)
 
 
-step_lanes = unrolled_in_lanes(_step, LANES, 3)
+step_lanes = unrolled_in_lanes(_step, LANES, 4)
 sample_lanes = unrolled_in_lanes(_sample, LANES, 1)

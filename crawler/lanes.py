@@ -23,6 +23,7 @@ from .lane_steps import (
     CRAWLER,
     DONE,
     ELAPSED,
+    END,
     HOLD,
     LANE_ROWS,
     LANES,
@@ -37,7 +38,7 @@ from .lane_steps import (
 )
 from .linear_lanes import advance_anchored_lanes
 from .taylor import trusted
-from .workspace import FORCE, ROWS, STEP, V, WIDTH, Z
+from .workspace import FORCE, LENGTH, ROWS, STEP, V, WIDTH, Z
 
 __all__ = ["advance_lanes", "lane_workspace"]
 
@@ -278,7 +279,7 @@ def _in_lanes(
                 queue += 1
 
     while active:
-        calm, last, due = _step_by_order(order, tolerance, hold, float(count), lanes)
+        calm, last, due, sure = _step_by_order(order, tolerance, hold, float(count), lanes)
         calm &= active
         due &= active
         while due:
@@ -295,7 +296,7 @@ def _in_lanes(
                 continue
             status = _UNFINISHED
             if not (calm >> lane) & 1:
-                status = _step_alone(hold, control, lanes, lane, series, own, samples)
+                status = _step_alone(hold, control, bool((sure >> lane) & 1), lanes, lane, series, own, samples)
             elif (last >> lane) & 1:
                 status = FINISHED
             steps[lane] += 1
@@ -366,6 +367,7 @@ def _sample_by_order(order, hold, count, lanes):
 def _step_alone(
     hold: float,
     control: Control,
+    sure: bool,
     lanes: NDArray[np.float64],
     lane: int,
     series: NDArray[np.float64],
@@ -382,9 +384,21 @@ def _step_alone(
     before = lanes[STATE, ELAPSED, lane]
     valve = lanes[HOLD, VALVE, lane]
     opening = Body(body.deformation, body.velocity, lanes[HOLD, OPENING, lane], body.foot, 0.0, 0, 0)
-    longest, end = trusted(opening, body, physics, valve, before, control.tolerance, order, series)
-    if not longest >= 0.0:
-        return DIVERGED
+    if sure:
+        longest = series[STEP, LENGTH]
+        end = Body(
+            lanes[END, 0, lane],
+            lanes[END, 1, lane],
+            lanes[END, 2, lane],
+            lanes[END, 3, lane],
+            lanes[END, 4, lane],
+            body.motion,
+            body.slips,
+        )
+    else:
+        longest, end = trusted(opening, body, physics, valve, before, control.tolerance, order, series)
+        if not longest >= 0.0:
+            return DIVERGED
     length, motion = next_event(body, physics, valve, order, longest, series)
     taken = int(lanes[SAMPLING, DONE, lane])
     following, reached, done, last = sampled_step(

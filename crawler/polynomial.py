@@ -49,10 +49,15 @@ def horner(coefficients: NDArray[np.float64], degree: int, t: float) -> float:
 @compiled
 def horner_derivative(coefficients: NDArray[np.float64], degree: int, t: float) -> float:
     """Derivative at `t` of the polynomial with the given ascending coefficients."""
-    slope = degree * coefficients[degree]
-    for n in range(degree - 1, 0, -1):
-        slope = slope * t + n * coefficients[n]
-    return slope
+    square = t * t
+    last = degree * coefficients[degree]
+    other = (degree - 1) * coefficients[degree - 1]
+    for n in range(degree - 2, 1, -2):
+        last = fma(last, square, n * coefficients[np.uintp(n)])
+        other = fma(other, square, (n - 1) * coefficients[np.uintp(n - 1)])
+    if degree % 2 == 0:
+        return fma(last, t, other)
+    return last if degree == 1 else fma(other, t, fma(last, square, coefficients[1]))
 
 
 @compiled

@@ -25,6 +25,7 @@ from .taylor import expand, ROUNDING, state_at
 from .workspace import (
     CORRECTION,
     FIRST,
+    FLATTEST,
     FORCE,
     HIGHEST,
     LOWEST,
@@ -35,6 +36,7 @@ from .workspace import (
     STAGE_P,
     STAGE_V,
     STAGE_Z,
+    STEEPEST,
     STEP,
     V,
     Z,
@@ -187,8 +189,8 @@ def radau_step(
     """One step, and its end; parameters and returns as for `taylor_step`."""
     length, pace = collocate(body, physics, valve, remaining, control.order, control.tolerance, pace, series)
     # No cheap bound of the event function is known: it is looked at whole.
-    series[STEP, LOWEST] = -np.inf
-    series[STEP, HIGHEST] = np.inf
+    series[STEP, LOWEST] = series[STEP, STEEPEST] = -np.inf
+    series[STEP, HIGHEST] = series[STEP, FLATTEST] = np.inf
     series[STEP, FIRST] = 0.0
     pressure = pressure_after(opening, physics, valve, elapsed + length)
     return length, state_at(body, physics, pressure, control.order, length, series), pace

@@ -88,7 +88,8 @@ def step(order: int, _rows: Any, *inputs: Any) -> dict[int, list[Any]]:
     The length is the longest on which the last two terms of the acceleration stay below the tolerance: two, because an
     even or odd motion has every second coefficient zero; of the acceleration, because events are roots of the force.
     The event function is, but for its constant term, force_weight F + velocity_weight v + drift t; the reach is the
-    sum of its negative terms and that of its positive ones, which bound it on the step; the first term is kept besides.
+    sum of its negative terms and that of its positive ones, which bound it on the step, its first term, and bounds of
+    its slope times the length.
     """
     *motion, tolerance, remaining, force_weight, velocity_weight, drift = inputs
     z, v, p, force = coefficients(order, *motion)
@@ -101,15 +102,20 @@ def step(order: int, _rows: Any, *inputs: Any) -> dict[int, list[Any]]:
     length = exponent.exp2().smaller(remaining)
 
     square = length * length
-    power, lowest, highest, first = length, 0.0, 0.0, None
+    power, lowest, highest = length, 0.0, 0.0
+    first = steepest = flattest = None
     for n in range(1, order + 1):
         coefficient = fma(force[n], force_weight, v[n] * velocity_weight)
         term = (coefficient + drift if n == 1 else coefficient) * power
-        first = term if n == 1 else first
-        lowest, highest = term.smaller(0.0) + lowest, term.larger(0.0) + highest
+        falling, rising = term.smaller(0.0), term.larger(0.0)
+        lowest, highest = falling + lowest, rising + highest
+        if n == 1:
+            first = steepest = flattest = term
+        else:
+            steepest, flattest = fma(falling, float(n), steepest), fma(rising, float(n), flattest)
         power = power * length
     ends = [value(row, length, square) for row in (z, v, force)]
-    return {Z: z, V: v, P: p, FORCE: force, STEP: [length, *ends, lowest, highest, first]}
+    return {Z: z, V: v, P: p, FORCE: force, STEP: [length, *ends, lowest, highest, first, steepest, flattest]}
 
 
 def _energies(order: int, rows: Any, length: Any, radial_coupling: Any) -> dict[int, list[Any]]:

@@ -8,6 +8,7 @@ __all__ = [
     "END_V",
     "END_Z",
     "FIRST",
+    "FLATTEST",
     "FORCE",
     "HIGHEST",
     "LENGTH",
@@ -19,6 +20,7 @@ __all__ = [
     "STAGE_P",
     "STAGE_V",
     "STAGE_Z",
+    "STEEPEST",
     "STEP",
     "VISCOUS",
     "WIDTH",
@@ -34,5 +36,6 @@ ROWS = 12
 WIDTH = LARGEST_DEGREE + 2
 Z, V, P, FORCE, STEP, SCRATCH, STAGE_Z, STAGE_V, STAGE_P, STAGE_A, STAGE_F, CORRECTION = range(ROWS)
 # Columns of the row STEP: its length; z, v and F at its end; the least and the greatest that the terms of the event
-# function beyond the constant one can add up to, and the first of these; and the step's energies.
-LENGTH, END_Z, END_V, END_FORCE, LOWEST, HIGHEST, FIRST, WORK, VISCOUS = range(9)
+# function beyond the constant one can add up to, the first of these, and the least and the greatest slope times the
+# length; and the step's energies.
+LENGTH, END_Z, END_V, END_FORCE, LOWEST, HIGHEST, FIRST, STEEPEST, FLATTEST, WORK, VISCOUS = range(11)
