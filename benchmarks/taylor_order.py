@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.crawler import Groups, Scene
 from stickslip.crawler.body import Body, physics
+from stickslip.crawler.control import TAYLOR
 from stickslip.crawler.driving import drive
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.taylor import order_for, ORDERS
@@ -31,7 +32,7 @@ def main() -> None:
         error = {}
         for _ in range(ROUNDS):
             for order in ORDERS:
-                control = SOLVERS["taylor"].control(tolerance)._replace(order=order)
+                control = SOLVERS["taylor"].control(tolerance)._replace(order=order, method=TAYLOR[order]())
                 start = time.perf_counter()
                 drive(rest, coefficients, WORD, 1.0, control, samples, events, series)
                 seconds[order].append(time.perf_counter() - start)

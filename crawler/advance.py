@@ -12,20 +12,18 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from ..compilation import compiled, formula, merged, OPTIONS
+from ..compilation import compiled, formula, OPTIONS
 from .body import Body, Ledger, Physics
 from .control import (
     AFRESH,
     Control,
     DIVERGED,
     FINISHED,
+    is_taylor,
     LOG_FULL,
-    method_of,
     OUT_OF_STEPS,
     Outcome,
     Pace,
-    Radau,
-    Taylor,
 )
 from .energy import account
 from .equations import pressure_after
@@ -33,7 +31,7 @@ from .events import change_motion, next_event
 from .radau import radau_again, radau_step
 from .taylor import state_at, taylor_step
 
-__all__ = ["FARTHEST", "advance", "is_near", "moment_of", "record", "sampled_by", "sampled_step"]
+__all__ = ["FARTHEST", "advance", "end_of_step", "is_near", "moment_of", "record", "sampled_by"]
 
 # No bounded body stretches so far; beyond, a float32 observation and the squares of the motion would soon overflow.
 FARTHEST = 1e12
@@ -66,7 +64,7 @@ def _compiled_step(
     pace: Pace,
     series: NDArray[np.float64],
 ) -> Any:
-    return {Taylor: taylor_step, Radau: radau_step}[method_of(control)]
+    return taylor_step if is_taylor(control) else radau_step
 
 
 @compiled
@@ -130,28 +128,25 @@ def advance(
             if pace.length > 0.0:
                 continue
 
-        following, reached, done, last = sampled_step(
-            opening,
-            body,
-            physics,
-            valve,
-            hold,
-            begin,
-            close,
-            elapsed,
-            control.order,
-            longest,
-            ahead,
-            length,
-            motion,
-            done,
-            samples,
-            workspace,
-        )
+        reached, last = end_of_step(body, close, elapsed, length, motion)
+        count = samples.shape[1]
+        while done < count:
+            moment = moment_of(done, count, hold)
+            if moment > reached:
+                break
+            # The pressure is that of this very moment, not of a step's end within rounding of it.
+            pressure = pressure_after(opening, physics, valve, moment - begin)
+            since = min(moment - elapsed, length)
+            record(state_at(body, physics, pressure, control.order, since, workspace), samples, done)
+            done += 1
+        following = ahead
+        if length < longest:
+            pressure = pressure_after(opening, physics, valve, reached - begin)
+            following = state_at(body, physics, pressure, control.order, length, workspace)
         if not is_near(following):
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
         if control.energy:
-            ledger = account(ledger, body, following, physics, control.order, length, workspace)
+            ledger = account(ledger, body, following, physics, control.method, length, workspace)
         elapsed = reached
         if motion != body.motion:
             following = change_motion(following, motion, physics)
@@ -167,56 +162,14 @@ def advance(
     return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger)
 
 
-@merged
-def sampled_step(
-    opening: Body,
-    body: Body,
-    physics: Physics,
-    valve: float,
-    hold: float,
-    begin: float,
-    close: float,
-    elapsed: float,
-    order: int,
-    longest: float,
-    end: Body,
-    length: float,
-    motion: int,
-    done: int,
-    samples: NDArray[np.float64],
-    series: NDArray[np.float64],
-) -> tuple[Body, float, int, bool]:
-    """Take the samples of a step that ends after `length`, at most `longest`, where the state is `end`.
+@compiled
+def end_of_step(body: Body, close: float, elapsed: float, length: float, motion: int) -> tuple[float, bool]:
+    """Time into the hold that a step of `length` reaches, and whether that is `close`, up to which the valve is kept.
 
-    The valve keeps its state from `begin` to `close`, times into the hold; `opening` is the state at `begin`.
-
-    Returns
-    -------
-    following : Body
-        At the step's end, before the motion changes.
-    reached : float
-        Time into the hold.
-    done : int
-        Samples taken so far in the hold.
-    last : bool
-        Whether the time `close` is reached.
+    The last step ends on that itself, so that no sample is lost to the rounding of a sum.
     """
-    # The last step ends on the stretch's own end, so that no sample is lost to the rounding of a sum.
     last = motion == body.motion and length >= close - elapsed
-    reached = close if last else elapsed + length
-    count = samples.shape[1]
-    while done < count:
-        moment = moment_of(done, count, hold)
-        if moment > reached:
-            break
-        # The pressure is that of this very moment, not of a step's end within rounding of it.
-        pressure = pressure_after(opening, physics, valve, moment - begin)
-        record(state_at(body, physics, pressure, order, min(moment - elapsed, length), series), samples, done)
-        done += 1
-    if length < longest:
-        pressure = pressure_after(opening, physics, valve, reached - begin)
-        return state_at(body, physics, pressure, order, length, series), reached, done, last
-    return end, reached, done, last
+    return close if last else elapsed + length, last
 
 
 @formula

@@ -7,7 +7,7 @@ from ..validation import finite_array
 from .body import Body, ChainState
 from .chain import chain_of, chain_order, series_for
 from .chain_advance import drive_chain
-from .control import Control, LOG_FULL, Outcome
+from .control import Control, LOG_FULL, Outcome, Taylor20
 from .groups import Groups
 from .scene import Scene
 from .tube import is_chain, node_masses
@@ -62,7 +62,8 @@ def run_chain(
         Growth of the stored energy.
     """
     chain, series = chain_of(groups, scene), series_for(scene.segments)
-    control = control._replace(order=chain_order(control.order))
+    # Compiled once: a chain is expanded in loops, whatever the method.
+    control = control._replace(order=chain_order(control.order), method=Taylor20())
     capacity = 64 + 4 * len(schedule)
     while True:
         events, moved = np.empty((capacity, 2)), stretches.copy()

@@ -10,8 +10,10 @@ __all__ = [
     "FINISHED",
     "LOG_FULL",
     "MAX_STEPS",
+    "METHODS",
     "OUT_OF_STEPS",
     "STEPS_A_HOLD",
+    "TAYLOR",
     "ClosedForm",
     "Control",
     "Method",
@@ -19,6 +21,11 @@ __all__ = [
     "Pace",
     "Radau",
     "Taylor",
+    "Taylor8",
+    "Taylor12",
+    "Taylor16",
+    "Taylor20",
+    "is_taylor",
     "method_of",
 ]
 
@@ -30,19 +37,44 @@ MAX_STEPS = 1_000_000
 STEPS_A_HOLD = 1000
 
 
-class Taylor(NamedTuple):
-    """The method of Taylor series."""
+class Taylor8(NamedTuple):
+    """The method of Taylor series of order 8: the last coefficient of the force."""
+
+    order = 8
+
+
+class Taylor12(NamedTuple):
+    """Of order 12."""
+
+    order = 12
+
+
+class Taylor16(NamedTuple):
+    """Of order 16."""
+
+    order = 16
+
+
+class Taylor20(NamedTuple):
+    """Of order 20."""
+
+    order = 20
 
 
 class Radau(NamedTuple):
     """The method of Radau collocation."""
+
+    order = 12  # to which its polynomials are padded with zeros
 
 
 class ClosedForm(NamedTuple):
     """No method at all: the motion is linear."""
 
 
+Taylor = Taylor8 | Taylor12 | Taylor16 | Taylor20
 Method = Taylor | Radau | ClosedForm
+TAYLOR: dict[int, type[Taylor]] = {method.order: method for method in (Taylor8, Taylor12, Taylor16, Taylor20)}
+METHODS: tuple[type[Method], ...] = (*TAYLOR.values(), Radau, ClosedForm)
 
 
 class Control(NamedTuple):
@@ -79,6 +111,11 @@ class Pace(NamedTuple):
 def method_of(control: Any) -> type[Method]:
     """Class of a control's method, from the type that numba gives the control."""
     return control[-1].instance_class
+
+
+def is_taylor(control: Any) -> bool:
+    """Whether a control's method is one of Taylor series, from the type that numba gives the control."""
+    return method_of(control) in TAYLOR.values()
 
 
 AFRESH = Pace(0.0, 0.0, 0.0, 0.0)

@@ -11,12 +11,13 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from ..compilation import compiled, merged, OPTIONS
+from ..compilation import compiled, OPTIONS
 from ..lanes import LANES as BLOCK
-from .advance import is_near, sampled_step
+from .advance import end_of_step, is_near, moment_of
 from .body import Body, Ledger, Physics
-from .control import ClosedForm, Control, DIVERGED, FINISHED, method_of, OUT_OF_STEPS, Radau, Taylor
+from .control import ClosedForm, Control, DIVERGED, FINISHED, is_taylor, method_of, OUT_OF_STEPS
 from .driving import advance_by_method
+from .equations import pressure_after
 from .events import change_motion, next_event
 from .lane_steps import (
     COLUMNS,
@@ -29,6 +30,7 @@ from .lane_steps import (
     LANES,
     OPENING,
     PHYSICS,
+    REACHED,
     SAMPLE,
     sample_lanes,
     SAMPLING,
@@ -37,7 +39,7 @@ from .lane_steps import (
     VALVE,
 )
 from .linear_lanes import advance_anchored_lanes
-from .taylor import trusted
+from .taylor import state_at, trusted
 from .workspace import FORCE, LENGTH, ROWS, STEP, V, WIDTH, Z
 
 __all__ = ["advance_lanes", "lane_workspace"]
@@ -116,8 +118,11 @@ def _compiled_lanes(
     statuses: NDArray[np.int8],
     elapsed: NDArray[np.float64],
 ) -> Any:
-    kernels: dict[type, Any] = {Taylor: _in_lanes, Radau: _one_by_one, ClosedForm: _in_closed_form}
-    return kernels[method_of(control)].py_func
+    if is_taylor(control):
+        kernel: Any = _in_lanes
+    else:
+        kernel = _in_closed_form if method_of(control) is ClosedForm else _one_by_one
+    return kernel.py_func
 
 
 @compiled
@@ -258,10 +263,8 @@ def _in_lanes(
     elapsed: NDArray[np.float64],
 ) -> None:
     lanes = workspace
-    order, tolerance = control.order, control.tolerance
     count = samples.shape[1]
     series = np.empty((ROWS, WIDTH))
-    own = np.empty((5, count))
     steps = np.zeros(LANES, np.int64)
     queue = begin
     while queue < end and skip[queue]:
@@ -279,11 +282,19 @@ def _in_lanes(
                 queue += 1
 
     while active:
-        calm, last, due, sure = _step_by_order(order, tolerance, hold, float(count), lanes)
-        calm &= active
-        due &= active
+        calm, last, due, sure = step_lanes(control.method, (control.tolerance, hold, float(count)), lanes)
+        rough = active & ~calm
+        last &= calm
+        due &= active & calm
+        lost = 0
+        for lane in range(LANES):
+            if (rough >> lane) & 1:
+                status = _step_alone(hold, control, (sure >> lane) & 1 == 1, lanes, lane, series)
+                last |= (status == FINISHED) << lane
+                lost |= (status == DIVERGED) << lane
+                due |= (moment_of(lanes[SAMPLING, DONE, lane], count, hold) <= lanes[SAMPLING, REACHED, lane]) << lane
         while due:
-            (more,) = _sample_by_order(order, hold, float(count), lanes)
+            (more,) = sample_lanes(control.method, (hold, float(count)), lanes)
             for lane in range(LANES):
                 if (due >> lane) & 1:
                     i = int(lanes[HOLD, CRAWLER, lane])
@@ -292,23 +303,15 @@ def _in_lanes(
                         samples[row, j, i] = lanes[SAMPLE, row, lane]
             due &= more
         for lane in range(LANES):
-            if not (active >> lane) & 1:
-                continue
-            status = _UNFINISHED
-            if not (calm >> lane) & 1:
-                status = _step_alone(hold, control, bool((sure >> lane) & 1), lanes, lane, series, own, samples)
-            elif (last >> lane) & 1:
-                status = FINISHED
             steps[lane] += 1
-            if status == _UNFINISHED and steps[lane] >= control.max_steps:
-                status = OUT_OF_STEPS
-            if status == _UNFINISHED:
+            over = ((last | lost) >> lane) & 1 or steps[lane] >= control.max_steps
+            if not (over and (active >> lane) & 1):
                 continue
             i = int(lanes[HOLD, CRAWLER, lane])
             for row in range(_BODY):
                 bodies[row, i] = lanes[STATE, row, lane]
-            statuses[i] = status
             elapsed[i] = lanes[STATE, ELAPSED, lane]
+            statuses[i] = FINISHED if (last >> lane) & 1 else DIVERGED if (lost >> lane) & 1 else OUT_OF_STEPS
             if queue < end:
                 _load(queue, bodies, coefficients, valves, lanes, lane)
                 steps[lane] = 0
@@ -339,30 +342,6 @@ def _load(
     lanes[SAMPLING, DONE, lane] = 0.0
 
 
-@merged
-def _step_by_order(order, tolerance, hold, count, lanes):
-    inputs = tolerance, hold, count
-    if order == 8:
-        return step_lanes(8, inputs, lanes)
-    if order == 12:
-        return step_lanes(12, inputs, lanes)
-    if order == 16:
-        return step_lanes(16, inputs, lanes)
-    return step_lanes(20, inputs, lanes)
-
-
-@merged
-def _sample_by_order(order, hold, count, lanes):
-    inputs = hold, count
-    if order == 8:
-        return sample_lanes(8, inputs, lanes)
-    if order == 12:
-        return sample_lanes(12, inputs, lanes)
-    if order == 16:
-        return sample_lanes(16, inputs, lanes)
-    return sample_lanes(20, inputs, lanes)
-
-
 @compiled
 def _step_alone(
     hold: float,
@@ -371,10 +350,11 @@ def _step_alone(
     lanes: NDArray[np.float64],
     lane: int,
     series: NDArray[np.float64],
-    own: NDArray[np.float64],
-    samples: NDArray[np.float64],
 ) -> int:
-    """Take a lane's step as `advance` would, from the series that the lane has; return the status."""
+    """Take a lane's step as `advance` would, from the series that the lane has; return the status.
+
+    Its samples are left to be taken with those of the other lanes.
+    """
     order = control.order
     for row in (Z, V, FORCE, STEP):
         for n in range(order + 2):
@@ -400,19 +380,17 @@ def _step_alone(
         if not longest >= 0.0:
             return DIVERGED
     length, motion = next_event(body, physics, valve, order, longest, series)
-    taken = int(lanes[SAMPLING, DONE, lane])
-    following, reached, done, last = sampled_step(
-        opening, body, physics, valve, hold, 0.0, hold, before, order, longest, end, length, motion, taken, own, series
-    )
-    i = int(lanes[HOLD, CRAWLER, lane])
-    for j in range(taken, done):
-        for row in range(3):
-            samples[row, j, i] = own[row, j]
+    reached, last = end_of_step(body, hold, before, length, motion)
+    following = end
+    if length < longest:
+        pressure = pressure_after(opening, physics, valve, reached)
+        following = state_at(body, physics, pressure, order, length, series)
+    lanes[STEP, LENGTH, lane] = length
+    lanes[SAMPLING, REACHED, lane] = reached
     if not is_near(following):
         return DIVERGED
     if motion != body.motion:
         following = change_motion(following, motion, physics)
     write_body(following, lanes[STATE], lane)
     lanes[STATE, ELAPSED, lane] = reached
-    lanes[SAMPLING, DONE, lane] = done
     return FINISHED if last else _UNFINISHED

@@ -13,7 +13,7 @@ from ..compilation import compiled
 from .advance import FARTHEST, record, sampled_by
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
 from .closed_form import Propagator, propagator, Rates, rates_of, tabulated
-from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome
+from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome, Taylor20
 from .equations import acceleration_at_no_force, force, moved, retardation
 from .events import change_motion, comes_to_rest, foot_speed, motion_after_rest
 from .groups import Groups
@@ -26,7 +26,7 @@ from .workspace import ROWS, SCRATCH, WIDTH
 __all__ = ["advance_linear", "is_linear", "require_linear"]
 
 # Up to one over the fastest rate a series of this order is exact to rounding.
-_ORDER = 20
+_ORDER = Taylor20.order
 
 
 def is_linear(groups: Groups) -> bool:
@@ -224,7 +224,7 @@ def _standstill(
         if begin == 0.0:
             begin = min(length, 1.0 / max(rates.fast, rates.lag, math.sqrt(rates.yielding)))
             series = np.empty((ROWS, WIDTH))
-            expand(body, physics, valve, _ORDER, 1.0, begin, series)
+            expand(body, physics, valve, Taylor20(), 1.0, begin, series)
             degree = foot_speed(body, physics, _ORDER, series)
             moment = first_descent(series[SCRATCH], degree, begin)
             if moment <= begin:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled
 from .body import Body, Physics, STUCK
-from .control import AFRESH, Control, Pace
+from .control import AFRESH, Control, Pace, Taylor12
 from .equations import acceleration_at_no_force, force, force_terms, inverse_mass, pressure_after
 from .polynomial import horner
 from .radau_table import CHECKS, STAGES, TABLES
@@ -72,7 +72,7 @@ _E_FOLDS = 1.0
 _NEAR = 100.0
 _LONGEST_START = 1.0
 # Order to which the energies of a step are computed, whatever its degree.
-_READ = 12
+_READ = Taylor12.order
 _SETTLED = 0.01
 
 
@@ -138,7 +138,7 @@ def collocate(
     longest = min(remaining, _E_FOLDS / _growth_rate(body, physics, valve))
     length = pace.length
     if not length > 0.0:
-        expand(body, physics, valve, _READ, tolerance, remaining, series)
+        expand(body, physics, valve, Taylor12(), tolerance, remaining, series)
         short = _taylor_length(body, physics, valve, stages, tolerance, series)
         # The first instants of a slip, or of a grip on its threshold, decide which motion this is.
         nearness = _NEAR * tolerance if body.motion == STUCK else 0.0

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from .body import Physics
 from .closed_form import tabulate
-from .control import ClosedForm, Control, MAX_STEPS, Method, Radau, STEPS_A_HOLD, Taylor
+from .control import ClosedForm, Control, MAX_STEPS, Method, Radau, STEPS_A_HOLD, TAYLOR
 from .cost import predicted_cost, predicted_steps
 from .groups import Groups
 from .linear import is_linear, require_linear
@@ -29,7 +29,7 @@ class Solver(NamedTuple):
     """One way to drive a crawler."""
 
     name: str
-    method: Method
+    method: Callable[[int], Method]  # of an order
     workspace: Callable[[Physics, float, int], NDArray[np.float64]]  # of a crawler, a hold and samples in a hold
     order_for: Callable[[float], int]  # of a tolerance
 
@@ -37,7 +37,8 @@ class Solver(NamedTuple):
         self, tolerance: float, *, energy: bool = False, log: bool = False, max_steps: int = MAX_STEPS
     ) -> Control:
         """Settings that integrate to `tolerance`, with the order that makes it cheapest."""
-        return Control(tolerance, self.order_for(tolerance), max_steps, energy, log, self.method)
+        order = self.order_for(tolerance)
+        return Control(tolerance, order, max_steps, energy, log, self.method(order))
 
 
 def _series(_physics: Physics, _hold: float, _samples_per_hold: int) -> NDArray[np.float64]:
@@ -47,9 +48,9 @@ def _series(_physics: Physics, _hold: float, _samples_per_hold: int) -> NDArray[
 SOLVERS = {
     solver.name: solver
     for solver in (
-        Solver("closed_form", ClosedForm(), tabulate, lambda _tolerance: 0),
-        Solver("taylor", Taylor(), _series, order_for),
-        Solver("radau", Radau(), _series, stages_for),
+        Solver("closed_form", lambda _order: ClosedForm(), tabulate, lambda _tolerance: 0),
+        Solver("taylor", lambda order: TAYLOR[order](), _series, order_for),
+        Solver("radau", lambda _order: Radau(), _series, stages_for),
     )
 }
 

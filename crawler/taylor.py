@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..compilation import compiled, formula, merged
 from ..unrolling import where
 from .body import Body, Physics, STUCK
-from .control import AFRESH, Control, Pace
+from .control import AFRESH, Control, Method, Pace, TAYLOR
 from .equations import acceleration_at_no_force, force, force_terms, inverse_mass, moved, pressure_after, retardation
 from .polynomial import horner
 from .recurrence import write_step
@@ -33,7 +33,7 @@ __all__ = [
     "trusted",
 ]
 
-ORDERS = (8, 12, 16, 20)
+ORDERS = tuple(TAYLOR)
 # Largest defect of a step, in tolerances: a sound step's is about one.
 TRUST = 4.0
 # Rounding of a force relative to its terms, below which no defect is to be seen.
@@ -90,7 +90,7 @@ def expand(
     body: Body,
     physics: Physics,
     valve: float,
-    order: int,
+    method: Method,
     tolerance: float,
     remaining: float,
     series: NDArray[np.float64],
@@ -103,8 +103,8 @@ def expand(
     physics : Physics
     valve : float
         The valve while the series holds, 0 or 1.
-    order : int
-        One of ORDERS: last coefficient of the force; z and v get one more.
+    method : Method
+        Its order, known when this is compiled, is the last coefficient of the force; z and v get one more.
     tolerance : float
         Largest last term of the acceleration's series.
     remaining : float
@@ -113,15 +113,7 @@ def expand(
         Written in place.
     """
     inputs = step_inputs(body, physics, valve, tolerance, remaining)
-    # Each literal order is compiled on its own.
-    if order == 8:
-        write_step(8, inputs, series)
-    elif order == 12:
-        write_step(12, inputs, series)
-    elif order == 16:
-        write_step(16, inputs, series)
-    else:
-        write_step(20, inputs, series)
+    write_step(method, inputs, series)
 
 
 def taylor_step(
@@ -163,7 +155,7 @@ def taylor_step(
     pace : Pace
         AFRESH: every series starts anew.
     """
-    expand(body, physics, valve, control.order, control.tolerance, remaining, series)
+    expand(body, physics, valve, control.method, control.tolerance, remaining, series)
     length, end = trusted(opening, body, physics, valve, elapsed, control.tolerance, control.order, series)
     return length, end, AFRESH
 

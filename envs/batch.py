@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import compiled, merged
 from ..crawler.body import Body, Physics
-from ..crawler.control import ClosedForm, Control, FINISHED, Method, Radau, Taylor
+from ..crawler.control import Control, FINISHED, Method, METHODS
 from ..crawler.lanes import advance_lanes
 from ..lanes import aligned_zeros, LANES
 from ..reservoir.prequential_lanes import Readouts, score_lanes
@@ -77,7 +77,7 @@ def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
     return batch, Results(np.zeros((count, 5), np.float32), *(np.zeros(count, kind) for kind in kinds))
 
 
-@compiled
+@merged
 def _step_batch(
     method: Method,
     begin: int,
@@ -186,24 +186,13 @@ def _step_batch(
         results.slips[i] = int(batch.bodies[_SLIPS, i])
 
 
-# A method cannot be an argument from Python: its type is what the kernel is compiled for.
-@compiled
-def _step_by_taylor(*arguments: Any) -> None:
-    _step_batch(Taylor(), *arguments)
+def _stepper(method: type[Method]) -> Callable[..., None]:
+    # A method cannot be an argument from Python: its type is what the kernel is compiled for.
+    @compiled
+    def step_batch(*arguments: Any) -> None:
+        _step_batch(method(), *arguments)
+
+    return step_batch
 
 
-@compiled
-def _step_by_radau(*arguments: Any) -> None:
-    _step_batch(Radau(), *arguments)
-
-
-@compiled
-def _step_in_closed_form(*arguments: Any) -> None:
-    _step_batch(ClosedForm(), *arguments)
-
-
-STEP_BATCH: dict[str, Callable[..., None]] = {
-    "taylor": _step_by_taylor,
-    "radau": _step_by_radau,
-    "closed_form": _step_in_closed_form,
-}
+STEP_BATCH = {method: _stepper(method) for method in METHODS}

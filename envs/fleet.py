@@ -228,7 +228,7 @@ class Fleet:
 
     def _step_slice(self, commands: NDArray[np.int64], idle: NDArray[np.bool_], part: _Slice) -> None:
         for k, (name, others, control) in enumerate(self._methods):
-            STEP_BATCH[name](
+            STEP_BATCH[type(control.method)](
                 part.begin,
                 part.end,
                 k == 0,

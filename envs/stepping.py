@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import compiled, merged
 from ..crawler.body import Body, Ledger, Physics, physics
-from ..crawler.control import ClosedForm, Control, FINISHED, MAX_STEPS, Method, Radau, Taylor
+from ..crawler.control import Control, FINISHED, MAX_STEPS, Method, METHODS
 from ..crawler.driving import advance_by_method
 from ..crawler.groups import Groups
 from ..crawler.scene import Scene
@@ -47,7 +47,7 @@ def stepper_for(groups: Groups, scene: Scene, hold: float, tolerance: float, vir
     solver = choose(AUTO, groups, scene, hold, tolerance)
     control = solver.control(tolerance)
     return Stepper(
-        _HOLD_VALVE[solver.name],
+        _HOLD_VALVE[type(control.method)],
         np.array([*coefficients, hold, control.tolerance, control.order, control.max_steps]),
         solver.workspace(coefficients, hold, virtual_nodes),
         solver.name,
@@ -77,7 +77,7 @@ def calibration_states(settings: Settings) -> NDArray[np.float64]:
     return states
 
 
-@compiled
+@merged
 def _hold_valve(
     method: Method,
     body: NDArray[np.float64],
@@ -152,41 +152,20 @@ def _hold_valve(
     return outcome.status, outcome.elapsed
 
 
-# A method cannot be an argument from Python: it would cost more than the physics.
-@compiled
-def _hold_by_taylor(
-    body: NDArray[np.float64],
-    fixed: NDArray[np.float64],
-    valve: int,
-    samples: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    observation: NDArray[np.float32],
-) -> tuple[int, float]:
-    return _hold_valve(Taylor(), body, fixed, valve, samples, workspace, observation)
+def _holder(method: type[Method]) -> Callable[..., tuple[int, float]]:
+    # A method cannot be an argument from Python: it would cost more than the physics.
+    @compiled
+    def hold_valve(
+        body: NDArray[np.float64],
+        fixed: NDArray[np.float64],
+        valve: int,
+        samples: NDArray[np.float64],
+        workspace: NDArray[np.float64],
+        observation: NDArray[np.float32],
+    ) -> tuple[int, float]:
+        return _hold_valve(method(), body, fixed, valve, samples, workspace, observation)
+
+    return hold_valve
 
 
-@compiled
-def _hold_by_radau(
-    body: NDArray[np.float64],
-    fixed: NDArray[np.float64],
-    valve: int,
-    samples: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    observation: NDArray[np.float32],
-) -> tuple[int, float]:
-    return _hold_valve(Radau(), body, fixed, valve, samples, workspace, observation)
-
-
-@compiled
-def _hold_in_closed_form(
-    body: NDArray[np.float64],
-    fixed: NDArray[np.float64],
-    valve: int,
-    samples: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    observation: NDArray[np.float32],
-) -> tuple[int, float]:
-    return _hold_valve(ClosedForm(), body, fixed, valve, samples, workspace, observation)
-
-
-_HOLD_VALVE = {"taylor": _hold_by_taylor, "radau": _hold_by_radau, "closed_form": _hold_in_closed_form}
+_HOLD_VALVE = {method: _holder(method) for method in METHODS}

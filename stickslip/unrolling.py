@@ -362,7 +362,8 @@ def unrolled(recurrence: Callable[..., Mapping[int, Sequence[Any]]]) -> Any:
     Returns
     -------
     numba intrinsic
-        `order` must be a literal, `inputs` a tuple of floats, `rows` a C-contiguous array of float64.
+        `order` must be a literal or a named tuple of a class that has an `order`, `inputs` a tuple of floats,
+        `rows` a C-contiguous array of float64.
     """
 
     @intrinsic
@@ -398,8 +399,8 @@ def unrolled_in_lanes(
     Returns
     -------
     numba intrinsic
-        `order` must be a literal, `inputs` a tuple of floats that all sets share, `rows` a C-contiguous array of
-        float64 whose third and last axis runs over the sets. It returns a tuple of ints, a bit a lane, by truth.
+        `order` must be a literal or a named tuple of a class that has an `order`, `inputs` a tuple of floats that
+        all sets share, `rows` a C-contiguous array of float64 whose third and last axis runs over the sets. It returns a tuple of ints, a bit a lane, by truth.
     """
 
     @intrinsic
@@ -418,8 +419,15 @@ def unrolled_in_lanes(
     return kernel
 
 
+def _order_of(order: Any) -> int | None:
+    """The order that a type tells: a literal's, or the attribute `order` of a named tuple's class."""
+    if isinstance(order, types.IntegerLiteral):
+        return int(order.literal_value)
+    return getattr(getattr(order, "instance_class", None), "order", None)
+
+
 def _can_trace(order: Any, rows: Any, dimensions: int) -> bool:
-    if not isinstance(order, types.IntegerLiteral) or not isinstance(rows, types.Array):
+    if _order_of(order) is None or not isinstance(rows, types.Array):
         return False
     return rows.layout == "C" and rows.ndim == dimensions
 
@@ -432,7 +440,7 @@ def _traced(
     numbers = [Traced(builder, value) for value in cgutils.unpack_tuple(builder, arguments[1])]
     array = context.make_array(rows)(context, builder, arguments[2])
     workspace = Rows(builder, array.data, builder.extract_value(array.shape, 1), lanes)
-    return workspace, recurrence(order.literal_value, workspace, *numbers)
+    return workspace, recurrence(_order_of(order), workspace, *numbers)
 
 
 def _write(workspace: Rows, results: Mapping[int, Sequence[Any]]) -> None:
