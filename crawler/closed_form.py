@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import allocating, compiled
 from .body import FORWARD, Physics, STUCK
 from .equations import inverse_mass
 
@@ -168,7 +168,7 @@ def _mean_exponential(exponent: float) -> float:
     return -math.expm1(-exponent) / exponent if exponent > 0.0 else 1.0
 
 
-@compiled
+@allocating
 def tabulate(physics: Physics, hold: float, count: int) -> NDArray[np.float64]:
     """Propagators from a hold's start to its samples, the same for every hold of a run.
 

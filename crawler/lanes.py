@@ -11,7 +11,7 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from ..compilation import compiled, OPTIONS
+from ..compilation import allocating, compiled, OPTIONS
 from ..lanes import LANES as BLOCK
 from .advance import end_of_step, is_near, moment_of
 from .body import Body, Ledger, Physics
@@ -103,7 +103,7 @@ def advance_lanes(
     raise NotImplementedError
 
 
-@overload(advance_lanes, jit_options=OPTIONS)
+@overload(advance_lanes, jit_options=OPTIONS | {"_nrt": True})
 def _compiled_lanes(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
@@ -125,7 +125,7 @@ def _compiled_lanes(
     return kernel.py_func
 
 
-@compiled
+@allocating
 def _in_closed_form(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
@@ -168,7 +168,7 @@ def _in_closed_form(
         first = last
 
 
-@compiled
+@allocating
 def _one_by_one(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
@@ -247,7 +247,7 @@ def physics_of(coefficients: NDArray[np.float64], i: int) -> Physics:
     )
 
 
-@compiled
+@allocating
 def _in_lanes(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import allocating, compiled
 from .advance import FARTHEST, record, sampled_by
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
 from .closed_form import Propagator, propagator, Rates, rates_of, tabulated
@@ -194,7 +194,7 @@ def _grip(direction: int, physics: Physics, rates: Rates) -> Margin:
     return Margin(constant, 0.0, direction / rates.yielding, True, physics.static_friction + abs(at_rest))
 
 
-@compiled
+@allocating
 def _standstill(
     body: Body,
     start: Deviation,

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled
+from ..compilation import allocating, compiled
 from ..unrolling import fma
 
 __all__ = ["LARGEST_DEGREE", "first_descent", "horner", "horner_derivative", "sharp_descent"]
@@ -121,7 +121,7 @@ def sharp_descent(coefficients: NDArray[np.float64], degree: int, length: float)
     return moment
 
 
-@compiled
+@allocating
 def _isolate(coefficients: NDArray[np.float64], degree: int, length: float, noise: float) -> float:
     """First descent below `-noise` in [0, length], or inf."""
     pending = np.empty((_DEEPEST + 2, degree + 1))

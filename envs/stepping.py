@@ -133,7 +133,7 @@ def _hold_valve(
         Control(fixed[_PHYSICS + 1], int(fixed[_PHYSICS + 2]), int(fixed[_PHYSICS + 3]), False, False, method),
         0.0,
         samples,
-        np.empty((0, 2)),
+        workspace[:0],
         workspace,
     )
     after = outcome.body

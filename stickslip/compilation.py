@@ -6,9 +6,11 @@ from typing import Any, cast, TypeVar
 from numba import njit
 from numba.extending import register_jitable
 
-__all__ = ["OPTIONS", "compiled", "formula", "merged"]
+__all__ = ["OPTIONS", "allocating", "compiled", "formula", "merged"]
 
-OPTIONS: Any = {"nogil": True, "error_model": "numpy"}
+# Without numba's memory management: counting who refers to a row of an array costs as much as the work on it, and no
+# kernel outlives its arrays.
+OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False}
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 
@@ -26,6 +28,20 @@ def compiled(kernel: Kernel) -> Kernel:
     callable
     """
     return _compiled(kernel, {})
+
+
+def allocating(kernel: Kernel) -> Kernel:
+    """Compile a kernel that makes arrays of its own: others are refused them.
+
+    Parameters
+    ----------
+    kernel : callable
+
+    Returns
+    -------
+    callable
+    """
+    return _compiled(kernel, {"_nrt": True})
 
 
 def merged(kernel: Kernel) -> Kernel:
@@ -61,7 +77,7 @@ def formula(expression: Kernel) -> Kernel:
 
 def _compiled(kernel: Kernel, options: dict[str, Any]) -> Kernel:
     try:
-        return cast("Kernel", njit(cache=True, **OPTIONS, **options)(kernel))
+        return cast("Kernel", njit(cache=True, **OPTIONS | options)(kernel))
     except RuntimeError:
         # A read-only installation without a home, as in a container, is compiled anew in every process.
-        return cast("Kernel", njit(**OPTIONS, **options)(kernel))
+        return cast("Kernel", njit(**OPTIONS | options)(kernel))
