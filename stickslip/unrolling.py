@@ -400,7 +400,8 @@ def unrolled_in_lanes(
     -------
     numba intrinsic
         `order` must be a literal or a named tuple of a class that has an `order`, `inputs` a tuple of floats that
-        all sets share, `rows` a C-contiguous array of float64 whose third and last axis runs over the sets. It returns a tuple of ints, a bit a lane, by truth.
+        all sets share, `rows` a C-contiguous array of float64 whose third and last axis runs over the sets. It
+        returns a tuple of ints, a bit a lane, by truth.
     """
 
     @intrinsic
