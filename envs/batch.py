@@ -1,7 +1,7 @@
 """One step of many crawlers: compiled, in structures of arrays, eight crawlers side by side."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -189,8 +189,43 @@ def _step_batch(
 def _stepper(method: type[Method]) -> Callable[..., None]:
     # A method cannot be an argument from Python: its type is what the kernel is compiled for.
     @compiled
-    def step_batch(*arguments: Any) -> None:
-        _step_batch(method(), *arguments)
+    def step_batch(
+        begin: int,
+        end: int,
+        opens: bool,
+        closes: bool,
+        commands: NDArray[np.int64],
+        idle: NDArray[np.bool_],
+        skipped: NDArray[np.bool_],
+        batch: Batch,
+        readouts: Readouts | None,
+        reward: Reward,
+        tolerance: float,
+        order: int,
+        max_steps: int,
+        workspaces: Array,
+        scratch: Array,
+        results: Results,
+    ) -> None:
+        _step_batch(
+            method(),
+            begin,
+            end,
+            opens,
+            closes,
+            commands,
+            idle,
+            skipped,
+            batch,
+            readouts,
+            reward,
+            tolerance,
+            order,
+            max_steps,
+            workspaces,
+            scratch,
+            results,
+        )
 
     return step_batch
 
