@@ -40,31 +40,46 @@ STEPS_A_HOLD = 1000
 class Taylor8(NamedTuple):
     """The method of Taylor series of order 8: the last coefficient of the force."""
 
-    order = 8
+    @staticmethod
+    def order() -> int:
+        """Degree of the force's polynomial in a step."""
+        return 8
 
 
 class Taylor12(NamedTuple):
     """Of order 12."""
 
-    order = 12
+    @staticmethod
+    def order() -> int:
+        """Degree of the force's polynomial in a step."""
+        return 12
 
 
 class Taylor16(NamedTuple):
     """Of order 16."""
 
-    order = 16
+    @staticmethod
+    def order() -> int:
+        """Degree of the force's polynomial in a step."""
+        return 16
 
 
 class Taylor20(NamedTuple):
     """Of order 20."""
 
-    order = 20
+    @staticmethod
+    def order() -> int:
+        """Degree of the force's polynomial in a step."""
+        return 20
 
 
 class Radau(NamedTuple):
     """The method of Radau collocation."""
 
-    order = 12  # to which its polynomials are padded with zeros
+    @staticmethod
+    def order() -> int:
+        """Degree to which its polynomials are padded with zeros."""
+        return 12
 
 
 class ClosedForm(NamedTuple):
@@ -73,7 +88,7 @@ class ClosedForm(NamedTuple):
 
 Taylor = Taylor8 | Taylor12 | Taylor16 | Taylor20
 Method = Taylor | Radau | ClosedForm
-TAYLOR: dict[int, type[Taylor]] = {method.order: method for method in (Taylor8, Taylor12, Taylor16, Taylor20)}
+TAYLOR: dict[int, type[Taylor]] = {method.order(): method for method in (Taylor8, Taylor12, Taylor16, Taylor20)}
 METHODS: tuple[type[Method], ...] = (*TAYLOR.values(), Radau, ClosedForm)
 
 

@@ -62,7 +62,7 @@ def _step(order: int, rows: Any, tolerance: Any, hold: Any, count: Any) -> tuple
     valve = rows[HOLD][VALVE]
     remaining = hold - elapsed
     series = step(order, None, *step_inputs(body, coefficients, valve, tolerance, remaining))
-    reach = series[STEP]
+    reach: Any = series[STEP]
     length, z, v, expected = (reach[column] for column in (LENGTH, END_Z, END_V, END_FORCE))
 
     opening = body._replace(pressure=rows[HOLD][OPENING])
@@ -102,8 +102,8 @@ def _sample(order: int, rows: Any, hold: Any, count: Any) -> tuple[dict[int, lis
 
 def _lane(rows: Any) -> tuple[Body, Physics]:
     body = Body(*(rows[STATE][n] for n in range(len(Body._fields))))
-    *numbers, anchored, ratchet = (rows[PHYSICS][n] for n in range(len(Physics._fields)))
-    return body, Physics(*numbers, anchored != 0.0, ratchet != 0.0)
+    numbers: list[Any] = [rows[PHYSICS][n] for n in range(len(Physics._fields))]
+    return body, Physics(*numbers[:-2], *(flag != 0.0 for flag in numbers[-2:]))
 
 
 step_lanes = unrolled_in_lanes(_step, LANES, 4)

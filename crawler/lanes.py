@@ -62,7 +62,7 @@ def lane_workspace() -> NDArray[np.float64]:
 def advance_lanes(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
-    valves: NDArray[np.int8],
+    valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
@@ -107,7 +107,7 @@ def advance_lanes(
 def _compiled_lanes(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
-    valves: NDArray[np.int8],
+    valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
@@ -129,7 +129,7 @@ def _compiled_lanes(
 def _in_closed_form(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
-    valves: NDArray[np.int8],
+    valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
@@ -172,7 +172,7 @@ def _in_closed_form(
 def _one_by_one(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
-    valves: NDArray[np.int8],
+    valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
@@ -251,7 +251,7 @@ def physics_of(coefficients: NDArray[np.float64], i: int) -> Physics:
 def _in_lanes(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
-    valves: NDArray[np.int8],
+    valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
@@ -327,7 +327,7 @@ def _load(
     i: int,
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
-    valves: NDArray[np.int8],
+    valves: NDArray[np.int64],
     lanes: NDArray[np.float64],
     lane: int,
 ) -> None:

@@ -26,7 +26,7 @@ from .workspace import ROWS, SCRATCH, WIDTH
 __all__ = ["advance_linear", "is_linear", "require_linear"]
 
 # Up to one over the fastest rate a series of this order is exact to rounding.
-_ORDER = Taylor20.order
+_ORDER = Taylor20.order()
 
 
 def is_linear(groups: Groups) -> bool:

@@ -72,7 +72,7 @@ _E_FOLDS = 1.0
 _NEAR = 100.0
 _LONGEST_START = 1.0
 # Order to which the energies of a step are computed, whatever its degree.
-_READ = Taylor12.order
+_READ = Taylor12.order()
 _SETTLED = 0.01
 
 

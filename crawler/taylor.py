@@ -193,7 +193,7 @@ def trusted(
 @formula
 def is_sound(
     physics: Physics, motion: int, z: float, v: float, pressure: float, expected: float, tolerance: float
-) -> bool:
+) -> bool | np.bool_:
     """Whether the force at a step's end is the `expected` one of the series but for the tolerance, and rounding."""
     defect = abs(force(physics, z, v, pressure) - expected) - ROUNDING * force_terms(physics, z, v)
     return inverse_mass(physics, motion) * defect <= TRUST * tolerance

@@ -65,7 +65,7 @@ class Fleet:
     drawn : (8, crawlers) array
         The same as numbers: the groups, then the slope.
     generators : list of numpy.random.Generator
-        Of each crawler's draws.
+        Of each crawler's draws; None before the first episode.
     seeds : list of int
     """
 
@@ -76,9 +76,9 @@ class Fleet:
         count = len(kind)
         self._reward = Reward(settings.hold, settings.dither, settings.memory_weight, longest)
         self.batch, self.results = batch_of(count, settings.samples)
-        self.generators: list[np.random.Generator | None] = [None] * count
+        self.generators: list[Any] = [None] * count
         self.seeds: list[int | None] = [None] * count
-        self.crawlers: list[tuple[Groups, Scene] | None] = [None] * count
+        self.crawlers = [(kinds[each].groups, settings.scene) for each in kind.tolist()]
         self.drawn = np.zeros((_SLOPE + 1, count))
         self._solvers = np.full(count, "", np.dtype("U11"))
         self._tables: NDArray[np.float64] | None = None
@@ -195,7 +195,9 @@ class Fleet:
         for i in indices:
             crawler = self._kinds[self._kind[i]].draw(self.generators[i])
             if crawler not in solving:
-                solving[crawler] = stepper_for(*crawler, settings.hold, settings.tolerance, settings.samples)
+                solving[crawler] = stepper_for(
+                    crawler[0], crawler[1], settings.hold, settings.tolerance, settings.samples
+                )
             stepper = solving[crawler]
             self.crawlers[i] = crawler
             self.drawn[:, i] = *crawler[0].to_dict().values(), crawler[1].slope

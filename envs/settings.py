@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
 from ..crawler import Groups, Scene
 from ..crawler.groups import RANGES
@@ -94,13 +95,14 @@ class Settings:
         """Of the body in a hold: where there is no message nobody reads them, and one is enough."""
         return self.virtual_nodes if self.dither > 0.0 else 1
 
-    def observation_space(self) -> spaces.Box:
+    def observation_space(self) -> spaces.Space[NDArray[np.float32]]:
         """Space of deformation, rate, pressure, foot velocity and valve."""
         backward = 0.0 if self.scene.ratchet or self.scene.anchored else -_LARGEST
-        return spaces.Box(
+        space: spaces.Space[Any] = spaces.Box(
             np.array([-_LARGEST, -_LARGEST, 0.0, backward, 0.0], np.float32),
             np.array([_LARGEST, _LARGEST, 1.0, _LARGEST, 1.0], np.float32),
         )
+        return space
 
     def draw(self, generator: np.random.Generator) -> tuple[Groups, Scene]:
         """Crawler and world of an episode."""

@@ -51,7 +51,8 @@ class Tiles:
         tuple of (HEIGHT, WIDTH, 3) arrays of uint8, or None
             None in mode "human".
         """
-        pictures = [renderer.draw(frame) for renderer, frame in zip(self._renderers, frames, strict=True)]
+        drawn = (renderer.draw(frame) for renderer, frame in zip(self._renderers, frames, strict=True))
+        pictures = [picture for picture in drawn if picture is not None]
         if self._window is None:
             return tuple(pictures)
         self._window.show(_tiled(pictures, self._names))

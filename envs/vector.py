@@ -62,6 +62,8 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
 
     metadata: dict[str, Any] = StickSlipCrawlerEnv.metadata
 
+    render_mode: Literal["human", "rgb_array"] | None
+
     def __init__(
         self,
         num_envs: int = 1,
@@ -263,7 +265,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
             self._tiles.close()
             self._tiles = None
 
-    @property
+    @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator | None, ...]:  # type: ignore[override]
         """Each sub-environment's generator; None before the first reset."""
         return tuple(self._fleet.generators)

@@ -47,8 +47,9 @@ def readouts_of(memories: Sequence[PrequentialMemory], kind: NDArray[np.int64]) 
     Readouts
         At their start.
     """
-    readouts = blank_readouts(len(kind), *memories[0].first_weights.shape, memories[0].variance)
-    lower = np.tril_indices(memories[0].first_weights.shape[1])
+    delays, features = memories[0].first_weights.shape
+    readouts = blank_readouts(len(kind), delays, features, memories[0].variance)
+    lower = np.tril_indices(features)
     for i, which in enumerate(kind.tolist()):
         block, lane = divmod(i, LANES)
         readouts.scaling[block, 0, :, lane] = memories[which].centre

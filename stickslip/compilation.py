@@ -72,7 +72,7 @@ def formula(expression: Kernel) -> Kernel:
     -------
     callable
     """
-    return cast("Kernel", register_jitable(**OPTIONS)(expression))
+    return register_jitable(**OPTIONS)(expression)
 
 
 def _compiled(kernel: Kernel, options: dict[str, Any]) -> Kernel:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 __all__ = ["LANES", "aligned_zeros", "clipped", "faded", "load", "spread", "store"]
 
 LANES = 8
+_instruction: Any = intrinsic  # compiled code calls what it makes with one argument less
 _NUMBER = ir.DoubleType()
 _VECTOR = ir.VectorType(_NUMBER, LANES)
 _BYTES = 8 * LANES
@@ -55,13 +56,13 @@ def _arithmetic(function: Any, instruction: str) -> None:
         return getattr(builder, instruction)(*arguments)
 
 
-for _function, _instruction in (
+for _function, _operation in (
     (operator.add, "fadd"),
     (operator.sub, "fsub"),
     (operator.mul, "fmul"),
     (operator.truediv, "fdiv"),
 ):
-    _arithmetic(_function, _instruction)
+    _arithmetic(_function, _operation)
 
 
 def _place(context: Any, builder: Any, kind: Any, array: Any, offset: Any) -> Any:
@@ -76,7 +77,7 @@ def _repeated(builder: Any, number: Any) -> Any:
     return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), order)
 
 
-@intrinsic
+@_instruction
 def load(_typing: Any, array: Any, offset: Any) -> Any:
     """Eight neighbours of a C-contiguous array of float64, from an offset counted in elements over all axes."""
     if not isinstance(array, types.Array) or array.layout != "C" or array.dtype != types.float64:
@@ -90,7 +91,7 @@ def load(_typing: Any, array: Any, offset: Any) -> Any:
     return lanes(array, types.intp), codegen
 
 
-@intrinsic
+@_instruction
 def store(_typing: Any, array: Any, offset: Any, vector: Any) -> Any:
     """Write eight neighbours of a C-contiguous array of float64: see `load`."""
     if not isinstance(array, types.Array) or array.layout != "C" or array.dtype != types.float64:
@@ -104,7 +105,7 @@ def store(_typing: Any, array: Any, offset: Any, vector: Any) -> Any:
     return types.void(array, types.intp, lanes), codegen
 
 
-@intrinsic
+@_instruction
 def spread(_typing: Any, number: Any) -> Any:
     """One number in every lane."""
 
@@ -114,7 +115,7 @@ def spread(_typing: Any, number: Any) -> Any:
     return lanes(types.float64), codegen
 
 
-@intrinsic
+@_instruction
 def clipped(_typing: Any, vector: Any) -> Any:
     """Each number brought into [0, 1]."""
 
@@ -128,7 +129,7 @@ def clipped(_typing: Any, vector: Any) -> Any:
     return lanes(lanes), codegen
 
 
-@intrinsic
+@_instruction
 def faded(_typing: Any, vector: Any, faintest: Any) -> Any:
     """Each number, or zero where its size does not exceed `faintest`."""
 

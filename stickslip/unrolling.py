@@ -362,7 +362,7 @@ def unrolled(recurrence: Callable[..., Mapping[int, Sequence[Any]]]) -> Any:
     Returns
     -------
     numba intrinsic
-        `order` must be a literal or a named tuple of a class that has an `order`, `inputs` a tuple of floats,
+        `order` must be a literal or a named tuple of a class that has a static `order()`, `inputs` a tuple of floats,
         `rows` a C-contiguous array of float64.
     """
 
@@ -399,8 +399,8 @@ def unrolled_in_lanes(
     Returns
     -------
     numba intrinsic
-        `order` must be a literal or a named tuple of a class that has an `order`, `inputs` a tuple of floats that
-        all sets share, `rows` a C-contiguous array of float64 whose third and last axis runs over the sets. It
+        `order` must be a literal or a named tuple of a class that has a static `order()`, `inputs` a tuple of floats
+        that all sets share, `rows` a C-contiguous array of float64 whose third and last axis runs over the sets. It
         returns a tuple of ints, a bit a lane, by truth.
     """
 
@@ -421,10 +421,11 @@ def unrolled_in_lanes(
 
 
 def _order_of(order: Any) -> int | None:
-    """The order that a type tells: a literal's, or the attribute `order` of a named tuple's class."""
+    """The order that a type tells: a literal's, or what a named tuple's class says its `order()` is."""
     if isinstance(order, types.IntegerLiteral):
         return int(order.literal_value)
-    return getattr(getattr(order, "instance_class", None), "order", None)
+    told = getattr(getattr(order, "instance_class", None), "order", None)
+    return None if told is None else int(told())
 
 
 def _can_trace(order: Any, rows: Any, dimensions: int) -> bool:
