@@ -167,7 +167,9 @@ def _advance_chain(
         following = _state_at(body, pressure, control.order, length, series)
         if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
-        stretches[:] = series.ahead
+        for j in range(segments):
+            stretches[0, j] = series.ahead[0, j]
+            stretches[1, j] = series.ahead[1, j]
         if control.energy:
             ledger = account_chain(ledger, body, following, chain.physics, control.order, length, series)
         elapsed = reached
