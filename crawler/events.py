@@ -1,5 +1,7 @@
 """When the foot breaks loose, and when it comes to rest."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,7 +50,7 @@ def next_event(
 
 
 @formula
-def is_quiet(body: Body, physics: Physics, pull: float, reach: NDArray[np.float64]) -> bool:
+def is_quiet(body: Body, physics: Physics, pull: float, reach: Any) -> bool:
     """Whether bounds alone show that nothing happens on the step, which begins with the force `pull`.
 
     `reach` is the row STEP. The speed of a foot that slides from rest is t times a polynomial, whose constant term is

@@ -42,7 +42,7 @@ from .linear_lanes import advance_anchored_lanes
 from .taylor import state_at, trusted
 from .workspace import FORCE, LENGTH, ROWS, STEP, V, WIDTH, Z
 
-__all__ = ["advance_lanes", "lane_workspace"]
+__all__ = ["advance_lanes", "lane_workspace", "one_by_one"]
 
 _BODY = len(Body._fields)
 _PHYSICS = len(Physics._fields)
@@ -121,7 +121,7 @@ def _compiled_lanes(
     if is_taylor(control):
         kernel: Any = _in_lanes
     else:
-        kernel = _in_closed_form if method_of(control) is ClosedForm else _one_by_one
+        kernel = _in_closed_form if method_of(control) is ClosedForm else one_by_one
     return kernel.py_func
 
 
@@ -151,7 +151,7 @@ def _in_closed_form(
                 opened[lane] = valves[first + lane]
             advance_anchored_lanes(first, physics, bodies, opened, hold, samples, workspace[0], statuses, elapsed)
         else:
-            _one_by_one(
+            one_by_one(
                 bodies,
                 coefficients,
                 valves,
@@ -169,7 +169,7 @@ def _in_closed_form(
 
 
 @allocating
-def _one_by_one(
+def one_by_one(
     bodies: NDArray[np.float64],
     coefficients: NDArray[np.float64],
     valves: NDArray[np.int64],
@@ -183,9 +183,9 @@ def _one_by_one(
     statuses: NDArray[np.int8],
     elapsed: NDArray[np.float64],
 ) -> None:
+    """`advance_lanes` by the single crawler's functions, whatever the method; `workspace` is then the solver's."""
     count = samples.shape[1]
     own = np.empty((5, count))
-    unlogged = np.empty((0, 2))
     for i in range(begin, end):
         if skip[i]:
             continue
@@ -198,7 +198,7 @@ def _one_by_one(
             control,
             0.0,
             own,
-            unlogged,
+            np.empty((0, 2)),
             workspace[i if len(workspace) > 1 else 0],
         )
         write_body(outcome.body, bodies, i)

@@ -37,7 +37,7 @@ ORDERS = tuple(TAYLOR)
 # Largest defect of a step, in tolerances: a sound step's is about one.
 TRUST = 4.0
 # Rounding of a force relative to its terms, below which no defect is to be seen.
-ROUNDING = 8.0 * np.finfo(np.float64).eps
+ROUNDING = 8.0 * float(np.finfo(np.float64).eps)
 SHORTENINGS = 40
 
 

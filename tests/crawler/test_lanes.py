@@ -228,7 +228,7 @@ def test_radau_and_the_closed_form_take_the_same_call():
                 0.5,
                 control,
                 batch.samples,
-                batch.workspace,
+                batch.workspace[None],
                 batch.statuses,
                 batch.elapsed,
             )
