@@ -9,7 +9,7 @@ from typing import Literal, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .rendering import Frame, GREY, MIST, Renderer, TICK_SIZE
+from .rendering import Frame, GREY, MIST, Renderer, VALUE_SIZE
 from .window import import_pygame, Window
 
 if TYPE_CHECKING:
