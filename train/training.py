@@ -8,26 +8,35 @@ from typing import Any
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
+from sb3_contrib import QRDQN, RecurrentPPO
+from stable_baselines3 import A2C, DQN, PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.evaluation import evaluate_policy
-from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.vec_env import VecEnv, VecMonitor
+from threadpoolctl import threadpool_limits
 
 from ..envs import StickSlipCrawlerEnv
 from ..files import atomically
 from .hyperparameters import resolve
 from .run import Configuration, Run
+from .vec_env import StickSlipVecEnv
 
 __all__ = ["load_policy", "train"]
 
-_ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO}
+_ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
+    "ppo": PPO,
+    "a2c": A2C,
+    "dqn": DQN,
+    "qrdqn": QRDQN,
+    "recurrent_ppo": RecurrentPPO,
+}
 _CONFIGURATION = "stickslip_configuration"
 _EVALUATIONS = 12
 _EVALUATION_SEED = 1_000_000
-# Networks this small run fastest on one thread; two would fight the environments for the cores.
-_TORCH_THREADS = 1
+# Networks this small run fastest on one thread; more would fight the environments for the cores.
+_LIBRARY_THREADS = 1
 
 
 def train(
@@ -78,7 +87,7 @@ def train(
             run = Run.open(folder)
             _refuse_another(configuration.differences(run.configuration), f"run {folder}")
             checkpoint = run.latest_checkpoint()
-        with _torch_threads(_TORCH_THREADS):
+        with _library_threads(_LIBRARY_THREADS):
             if checkpoint is None:
                 model = _ALGORITHMS[configuration.algorithm](
                     configuration.hyperparameters["policy"],
@@ -92,6 +101,8 @@ def train(
                     run = Run.create(folder, configuration)
             else:
                 model = _load(configuration, checkpoint, env=environments)
+                if isinstance(model, OffPolicyAlgorithm) and run.replay_buffer.exists():
+                    model.load_replay_buffer(run.replay_buffer)
             model.tensorboard_log = str(folder / "tensorboard")
             remaining = total - model.num_timesteps
             if remaining > 0:
@@ -205,6 +216,8 @@ class _Keeper(BaseCallback):
         self.logger.record("eval/mean_reward_per_step", reward)
         self.logger.dump(self.num_timesteps)
         # In this order a crash between two of them loses none of the others' meaning.
+        if isinstance(self.model, OffPolicyAlgorithm):
+            atomically(self._run.replay_buffer, self.model.save_replay_buffer)
         atomically(self._run.checkpoint(self.num_timesteps), self.model.save)
         if reward > self._best:
             self._best = reward
@@ -215,14 +228,18 @@ class _Keeper(BaseCallback):
 
 
 def _environments(configuration: Configuration, count: int, seed: int) -> VecEnv:
-    return make_vec_env(configuration.environment, n_envs=count, seed=seed, env_kwargs=configuration.env_kwargs)
+    environments = VecMonitor(StickSlipVecEnv(count, sparse_infos=True, **configuration.env_kwargs))
+    environments.seed(seed)
+    return environments
 
 
 @contextmanager
-def _torch_threads(count: int) -> Iterator[None]:
+def _library_threads(count: int) -> Iterator[None]:
+    """Let torch and BLAS use so many threads each."""
     before = torch.get_num_threads()
     torch.set_num_threads(count)
     try:
-        yield
+        with threadpool_limits(count):
+            yield
     finally:
         torch.set_num_threads(before)
