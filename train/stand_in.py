@@ -48,7 +48,7 @@ class StandIn(gym.Env[NDArray[np.float32], np.int64]):
         """Refused."""
         raise RuntimeError(f"sub-environment {self._index} cannot be stepped alone; step them all")
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """Draw this one; None where it is not among the `rendered`, or a window shows all."""
         return self._batch.picture_of(self._index)
 
@@ -88,7 +88,7 @@ class StandIn(gym.Env[NDArray[np.float32], np.int64]):
         return self._batch.env.single_action_space
 
     @property
-    def np_random(self) -> np.random.Generator | None:  # type: ignore[override]
+    def np_random(self) -> np.random.Generator | None:  # type: ignore[misc,override]
         """Its generator; None before the first reset."""
         return self._batch.env.np_random[self._index]
 
