@@ -38,7 +38,7 @@ PAGE = BENCHMARKS.parent / "docs" / "training.md"
 FIGURE = BENCHMARKS.parent / "docs" / "images" / "learning_curves"
 
 TASK = {"memory_weight": 0.0, "dither": 0.0}
-STEPS = 50_000
+STEPS = 32_768
 SEEDS = range(3)
 OPTIMUM = 1.0615  # the best open-loop word, without its start from rest
 EPISODES = 20  # of the random policy

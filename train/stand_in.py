@@ -87,8 +87,8 @@ class StandIn(gym.Env[NDArray[np.float32], np.int64]):
         """Of one."""
         return self._batch.env.single_action_space
 
-    @property
-    def np_random(self) -> np.random.Generator | None:  # type: ignore[misc,override]
+    @property  # type: ignore[misc]
+    def np_random(self) -> np.random.Generator | None:  # type: ignore[override]
         """Its generator; None before the first reset."""
         return self._batch.env.np_random[self._index]
 
