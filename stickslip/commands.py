@@ -82,7 +82,7 @@ def train(
         int | None, typer.Option(help="Environment steps, instead of the file's; updates are whole.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Of everything random.")] = 0,
-    algorithm: Annotated[str, typer.Option(help="ppo.")] = "ppo",
+    algorithm: Annotated[str, typer.Option(help="ppo, a2c, dqn, qrdqn or recurrent_ppo.")] = "ppo",
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in rl-baselines3-zoo's form.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the folder.")] = False,
 ) -> None:

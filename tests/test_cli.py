@@ -41,7 +41,10 @@ def refuse(capsys, *arguments):
         (["--groups", '{"duffing": 1' + "0" * 310 + "}"], "error: duffing must be in [0, inf), got a number of 311"),
         (["--seed", "-1"], "error: seed must be a whole number in [0, 4294967295], got -1"),
         (["--steps", "0"], "error: --steps must be a whole number >= 1, got 0"),
-        (["--algorithm", "magic"], "error: algorithm must be one of ['ppo'], got 'magic'"),
+        (
+            ["--algorithm", "magic"],
+            "error: algorithm must be one of ['ppo', 'a2c', 'dqn', 'qrdqn', 'recurrent_ppo'], got 'magic'",
+        ),
         (["--hyperparameters", "/nowhere.yml"], "error: [Errno 2] No such file or directory: '/nowhere.yml'"),
     ],
 )

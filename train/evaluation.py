@@ -1,6 +1,7 @@
 """What a trained policy comes to, measured as every schedule is."""
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -37,11 +38,11 @@ def roll_out(
     """
     command = np.empty(steps, np.int64)
     valve = np.empty(steps, np.int64)
+    act = _actor(policy)
     observation, _ = environment.reset(seed=seed)
     for k in range(steps):
-        action, _ = policy.predict(observation, deterministic=True)
-        observation, _, _, _, info = environment.step(int(action))
-        command[k] = action
+        command[k] = act(observation)
+        observation, _, _, _, info = environment.step(command[k])
         valve[k] = info["valve"]
     return command, valve
 
@@ -105,13 +106,27 @@ def film(policy: BaseAlgorithm, file: Path, *, env_kwargs: dict[str, Any], steps
         name_prefix="clip",
         episode_trigger=lambda _: True,
     )
+    act = _actor(policy)
     observation, _ = environment.reset(seed=seed)
     finished = False
     while not finished:
-        action, _ = policy.predict(observation, deterministic=True)
-        observation, _, terminated, truncated, _ = environment.step(int(action))
+        observation, _, terminated, truncated, _ = environment.step(act(observation))
         finished = terminated or truncated
     environment.close()
     (clip,) = folder.glob("*.mp4")
     atomically(file, lambda path: clip.replace(path))
     folder.rmdir()
+
+
+def _actor(policy: BaseAlgorithm) -> Callable[[NDArray[np.float32]], int]:
+    """Deterministic actions through one episode, of which a recurrent policy remembers the observations so far."""
+    state: tuple[NDArray[Any], ...] | None = None
+    beginning = np.ones(1, np.bool_)
+
+    def act(observation: NDArray[np.float32]) -> int:
+        nonlocal state
+        action, state = policy.predict(observation, state=state, episode_start=beginning, deterministic=True)
+        beginning[:] = False
+        return int(action)
+
+    return act

@@ -23,7 +23,7 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
     Parameters
     ----------
     algorithm : str
-        "ppo".
+        "ppo", "a2c", "dqn", "qrdqn" or "recurrent_ppo".
     environment : str
         The environment's id.
     file : Path, optional

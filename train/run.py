@@ -14,9 +14,10 @@ from ..validation import whole_number
 __all__ = ["Configuration", "Run"]
 
 _CHECKPOINT = re.compile(r"(\d+)_steps\.zip")
-ALGORITHMS = ("ppo",)
+ALGORITHMS = ("ppo", "a2c", "dqn", "qrdqn", "recurrent_ppo")
+ENVIRONMENTS = ("StickSlipCrawler-v0",)
 _LARGEST_SEED = 2**32 - 1
-_KEPT = ("configuration.yml", "checkpoints", "best.zip", "final.zip", "evaluations.csv")
+_KEPT = ("configuration.yml", "checkpoints", "best.zip", "final.zip", "evaluations.csv", "replay_buffer.pkl")
 
 
 @dataclass(frozen=True)
@@ -25,9 +26,8 @@ class Configuration:
 
     Parameters
     ----------
-    algorithm : {"ppo"}
-    environment : str
-        Id of a registered environment.
+    algorithm : {"ppo", "a2c", "dqn", "qrdqn", "recurrent_ppo"}
+    environment : {"StickSlipCrawler-v0"}
     env_kwargs : dict
         Its arguments, as JSON would hold them.
     hyperparameters : dict
@@ -37,7 +37,7 @@ class Configuration:
     Raises
     ------
     ValueError, TypeError
-        If the algorithm is unknown or the seed is not a whole number >= 0.
+        If the algorithm or the environment is unknown, or the seed is not a whole number >= 0.
     """
 
     algorithm: str = "ppo"
@@ -49,6 +49,8 @@ class Configuration:
     def __post_init__(self) -> None:
         if self.algorithm not in ALGORITHMS:
             raise ValueError(f"algorithm must be one of {list(ALGORITHMS)}, got {self.algorithm!r}")
+        if self.environment not in ENVIRONMENTS:
+            raise ValueError(f"environment must be one of {list(ENVIRONMENTS)}, got {self.environment!r}")
         whole_number("seed", self.seed, 0, _LARGEST_SEED)
         for name in ("env_kwargs", "hyperparameters"):
             if not isinstance(getattr(self, name), Mapping):
@@ -71,7 +73,8 @@ class Run:
     """The folder of one training run.
 
     Holds ``configuration.yml``, ``checkpoints/<steps>_steps.zip``, ``best.zip`` (of the periodic evaluations),
-    ``final.zip``, ``evaluations.csv`` and ``tensorboard/``. Every file appears whole or not at all.
+    ``final.zip``, ``evaluations.csv``, ``tensorboard/`` and, of an off-policy algorithm, ``replay_buffer.pkl``. Every
+    file appears whole or not at all.
 
     Parameters
     ----------
@@ -127,6 +130,11 @@ class Run:
     def best(self) -> Path:
         """Where the best policy of the periodic evaluations is kept."""
         return self.folder / "best.zip"
+
+    @property
+    def replay_buffer(self) -> Path:
+        """Where the transitions that an off-policy algorithm learns from are kept, as of the last checkpoint."""
+        return self.folder / "replay_buffer.pkl"
 
     @property
     def final(self) -> Path:

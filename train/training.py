@@ -1,33 +1,42 @@
 """Training a policy with Stable-Baselines3."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
-from stable_baselines3 import PPO
+from sb3_contrib import QRDQN, RecurrentPPO
+from stable_baselines3 import A2C, DQN, PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.evaluation import evaluate_policy
-from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from ..envs import StickSlipCrawlerEnv
 from ..files import atomically
 from .hyperparameters import resolve
 from .run import Configuration, Run
+from .threads import library_threads
+from .vec_env import StickSlipVecEnv
 
 __all__ = ["load_policy", "train"]
 
-_ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO}
+_ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
+    "ppo": PPO,
+    "a2c": A2C,
+    "dqn": DQN,
+    "qrdqn": QRDQN,
+    "recurrent_ppo": RecurrentPPO,
+}
 _CONFIGURATION = "stickslip_configuration"
 _EVALUATIONS = 12
 _EVALUATION_SEED = 1_000_000
-# Networks this small run fastest on one thread; two would fight the environments for the cores.
-_TORCH_THREADS = 1
+
+
+_native = partial(StickSlipVecEnv, sparse_infos=True)
 
 
 def train(
@@ -36,6 +45,7 @@ def train(
     *,
     resume: bool = False,
     on_progress: Callable[[int], Any] = lambda steps: None,
+    vec_env: Callable[..., VecEnv] = _native,
 ) -> Run:
     """Train a policy, with periodic evaluation, checkpoints and TensorBoard logs.
 
@@ -48,6 +58,9 @@ def train(
         Go on from the last checkpoint in `folder`. The steps after it are done again, with new random numbers.
     on_progress : callable
         Told the number of environment steps done, every so often.
+    vec_env : callable
+        Makes the environments, for the training and for its evaluations, from their number and
+        `configuration.env_kwargs`; a `StickSlipVecEnv` by default.
 
     Returns
     -------
@@ -71,14 +84,20 @@ def train(
     )
     # What the environment or the algorithm refuses, it refuses before the folder is touched.
     StickSlipCrawlerEnv(**configuration.env_kwargs).reset()
-    environments = _environments(configuration, configuration.hyperparameters["n_envs"], configuration.seed)
+
+    def make(count: int, seed: int) -> VecEnv:
+        environments = VecMonitor(vec_env(count, **configuration.env_kwargs))
+        environments.seed(seed)
+        return environments
+
+    environments = make(configuration.hyperparameters["n_envs"], configuration.seed)
     try:
         checkpoint = None
         if resume:
             run = Run.open(folder)
             _refuse_another(configuration.differences(run.configuration), f"run {folder}")
             checkpoint = run.latest_checkpoint()
-        with _torch_threads(_TORCH_THREADS):
+        with library_threads(1):
             if checkpoint is None:
                 model = _ALGORITHMS[configuration.algorithm](
                     configuration.hyperparameters["policy"],
@@ -92,10 +111,12 @@ def train(
                     run = Run.create(folder, configuration)
             else:
                 model = _load(configuration, checkpoint, env=environments)
+                if isinstance(model, OffPolicyAlgorithm) and run.replay_buffer.exists():
+                    model.load_replay_buffer(run.replay_buffer)
             model.tensorboard_log = str(folder / "tensorboard")
             remaining = total - model.num_timesteps
             if remaining > 0:
-                with _Keeper(run, max(1, total // _EVALUATIONS), on_progress, model.num_timesteps) as keeper:
+                with _Keeper(run, make, max(1, total // _EVALUATIONS), on_progress, model.num_timesteps) as keeper:
                     model.learn(
                         remaining,
                         callback=keeper,
@@ -155,7 +176,14 @@ def _refuse_another(differences: list[str], what: str) -> None:
 class _Keeper(BaseCallback):
     """Evaluates the policy from time to time, and keeps it."""
 
-    def __init__(self, run: Run, interval: int, on_progress: Callable[[int], Any], done: int) -> None:
+    def __init__(
+        self,
+        run: Run,
+        make: Callable[[int, int], VecEnv],
+        interval: int,
+        on_progress: Callable[[int], Any],
+        done: int,
+    ) -> None:
         super().__init__()
         self._done = done
         self._run = run
@@ -166,7 +194,7 @@ class _Keeper(BaseCallback):
         self._next = 0
         # Without flips one episode says all; with them it takes several.
         episodes = 8 if run.configuration.env_kwargs.get("dither", None) != 0.0 else 1
-        self._environments = _environments(run.configuration, episodes, _EVALUATION_SEED)
+        self._environments = make(episodes, _EVALUATION_SEED)
         self._table = run.folder / "evaluations.csv"
 
     def __enter__(self) -> "_Keeper":
@@ -205,6 +233,8 @@ class _Keeper(BaseCallback):
         self.logger.record("eval/mean_reward_per_step", reward)
         self.logger.dump(self.num_timesteps)
         # In this order a crash between two of them loses none of the others' meaning.
+        if isinstance(self.model, OffPolicyAlgorithm):
+            atomically(self._run.replay_buffer, self.model.save_replay_buffer)
         atomically(self._run.checkpoint(self.num_timesteps), self.model.save)
         if reward > self._best:
             self._best = reward
@@ -212,17 +242,3 @@ class _Keeper(BaseCallback):
         self._rows.append((self.num_timesteps, reward))
         lines = ["steps,mean_reward_per_step", *(f"{steps},{value!r}" for steps, value in self._rows)]
         atomically(self._table, lambda path: path.write_text("\n".join(lines) + "\n"))
-
-
-def _environments(configuration: Configuration, count: int, seed: int) -> VecEnv:
-    return make_vec_env(configuration.environment, n_envs=count, seed=seed, env_kwargs=configuration.env_kwargs)
-
-
-@contextmanager
-def _torch_threads(count: int) -> Iterator[None]:
-    before = torch.get_num_threads()
-    torch.set_num_threads(count)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before)

@@ -3,13 +3,15 @@
 import pytest
 
 from stickslip.train.hyperparameters import read_hyperparameters, resolve
+from stickslip.train.run import ALGORITHMS
 
 ID = "StickSlipCrawler-v0"
 
 
-def test_the_packaged_file_has_an_entry_for_the_environment():
-    entry = read_hyperparameters("ppo", ID)
-    assert entry["policy"] == "MlpPolicy"
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_the_packaged_files_have_an_entry_for_the_environment(algorithm):
+    entry = read_hyperparameters(algorithm, ID)
+    assert entry["policy"] == ("MlpLstmPolicy" if algorithm == "recurrent_ppo" else "MlpPolicy")
     assert isinstance(entry["n_timesteps"], int)
     assert entry["n_timesteps"] >= entry["n_envs"] >= 1
 
