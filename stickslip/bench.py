@@ -123,7 +123,7 @@ class Bench:
         else:
             name, values = parse_sweep(sweep)
             self._swept = name, list(values)
-            self._reservoirs = {f"{name} = {value!r}": with_value(known["crawler"], name, value) for value in values}
+            self._reservoirs = {f"{name} = {value:.12g}": with_value(known["crawler"], name, value) for value in values}
         self._settings = {
             "features": features,
             "length": length,

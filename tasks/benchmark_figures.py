@@ -127,7 +127,8 @@ def plot_profiles(records: Sequence[Record]) -> Figure:
             ax.set_title(title, loc="left", fontsize=9)
             ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes[0, 0].set_ylabel("capacity at this delay")
-        _legend_below(figure, axes[0, 0], len(styles), 2 * len(titles))
+        handles, labels = axes[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(4, len(styles)) if len(titles) < 3 else 7)
     return figure
 
 
@@ -170,6 +171,7 @@ def plot_information(records: Sequence[Record]) -> Figure:
         rank = [np.mean([r.details["rank"] for r in each]) for each in own.values()]
         ax.vlines(rank, place - 0.38, place + 0.38, color="black", lw=1.5, label="rank of the states")
         ax.set_yticks(place, list(own))
+        ax.set_xlim(0.0, 1.04 * max([*rank, *total, 1.0]))
         ax.invert_yaxis()
         ax.set_xlabel(_UNITS["capacity"])
         figure.legend(loc="outside upper center", ncols=4)
@@ -208,7 +210,7 @@ def plot_predictions(records: Sequence[Record], samples: int = 80) -> Figure:
             first = min(record.seed for record in mine)
             of_first = {record.reservoir: record for record in mine if record.seed == first}
             target = next(iter(of_first.values())).details["target"][:samples]
-            ax.plot(target, color="black", lw=2.4, alpha=0.35, label="target")
+            ax.plot(target, color="0.8", lw=3.0, label="target")
             for reservoir in drawn:
                 record = of_first[reservoir]
                 ax.plot(record.details["prediction"][:samples], lw=0.9, color=styles[reservoir][0], label=reservoir)
@@ -221,7 +223,8 @@ def plot_predictions(records: Sequence[Record], samples: int = 80) -> Figure:
             ax.set_xlabel("held-out sample")
         figure.supylabel("target's own unit", fontsize=9)
         handles, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=4)
+        order = "a title gives the scores in this order"
+        figure.legend(handles, labels, loc="outside upper center", ncols=4, title=order, title_fontsize=8)
     return figure
 
 
@@ -302,9 +305,10 @@ def _styles(reservoirs: Sequence[str]) -> dict[str, tuple[str, str]]:
     """Colour and marker of each reservoir; the eighth colour and those after it come again with another marker."""
     from ..crawler.plotting import MARKERS, OKABE_ITO
 
-    # Yellow is hardly seen on white, and black is the target's.
-    colors = [*OKABE_ITO[:6], "0.45"]
-    return {name: (colors[index % len(colors)], MARKERS[index % len(MARKERS)]) for index, name in enumerate(reservoirs)}
+    # Yellow is hardly seen on white, and a star is small.
+    colors = [*OKABE_ITO[:6], OKABE_ITO[7]]
+    markers = MARKERS.replace("*", "")
+    return {name: (colors[index % len(colors)], markers[index % len(markers)]) for index, name in enumerate(reservoirs)}
 
 
 def _band(of_seeds: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -315,11 +319,6 @@ def _band(of_seeds: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return of_seeds[0], of_seeds[0], of_seeds[0]
     each = [mean_over_runs(values) for values in of_seeds.T]
     return tuple(np.array([getattr(one, end) for one in each]) for end in ("mean", "low", "high"))
-
-
-def _legend_below(figure: Figure, ax: Axes, entries: int, columns: int) -> None:
-    handles, labels = ax.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=min(entries, max(2, columns)))
 
 
 def _arrow(task: Task) -> str:
