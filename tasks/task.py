@@ -51,7 +51,9 @@ def _held_out(states: NDArray[np.float64], targets: NDArray[np.float64]) -> tupl
 
     samples, features = states.shape
     if samples < (needed := samples_needed(features, _HOLDOUT)):
-        raise ValueError(f"states must have at least {needed} samples to score {features} features, got {samples}")
+        raise ValueError(
+            f"states must have at least {needed} samples for {features} features to be scored, got {samples}"
+        )
     training = training_samples(samples, _HOLDOUT)
     readout = RidgeReadout().fit(states[:training], targets[:training])
     return readout.predict(states[training:]), targets[training:]
