@@ -15,7 +15,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from ..validation import finite_array, number_within
 from .orthonormal import centre
 from .recursive_least_squares import RecursiveLeastSquares
-from .ridge import affine_weights, left_out, singular_vectors
+from .ridge import affine_weights, singular_vectors
 
 Array = NDArray[np.float64]
 
@@ -127,8 +127,8 @@ class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
         level = y.mean(axis=0) if self.fit_intercept else np.zeros(y.shape[1])
         left, singular, right = singular_vectors(x if offset is None else offset.states)
         self.candidates_ = self._candidates(singular)
-        self.leave_one_out_error_ = np.array(
-            [_leave_one_out_error(left, singular, y - level, each, self.fit_intercept) for each in self.candidates_]
+        self.leave_one_out_error_ = _leave_one_out_errors(
+            left, singular, y - level, self.candidates_, self.fit_intercept
         )
         error = self.leave_one_out_error_
         if not np.isfinite(error).any(axis=0).all():
@@ -247,8 +247,15 @@ class RecursiveLeastSquaresReadout(MultiOutputMixin, RegressorMixin, BaseEstimat
         return np.column_stack([x, np.ones(len(x))]) if self.fit_intercept else x
 
 
-def _leave_one_out_error(left: Array, singular: Array, targets: Array, penalty: float, fit_intercept: bool) -> Array:
-    kept = singular**2 / (singular**2 + penalty)
+def _leave_one_out_errors(left: Array, singular: Array, targets: Array, penalties: Array, fit_intercept: bool) -> Array:
+    """Mean squared errors as in `left_out`, all penalties at once, shape (penalties, outputs)."""
+    squares = (singular**2)[:, None]
+    # Shares of each direction that the penalties leave: a penalty of 0 leaves all, since no direction is of length 0.
+    kept = squares / (squares + penalties)
+    alone = 1 - left**2 @ kept - (1 / len(left) if fit_intercept else 0)
+    errors = np.empty((len(penalties), targets.shape[1]))
     with np.errstate(divide="ignore", invalid="ignore"):
-        error: Array = np.mean((targets - left_out(left, kept, targets, fit_intercept)) ** 2, axis=0)
-    return error
+        for output, target in enumerate(targets.T):
+            missed = (target[:, None] - left @ (kept * (left.T @ target)[:, None])) / alone
+            errors[:, output] = np.einsum("ij,ij->j", missed, missed) / len(missed)
+    return errors

@@ -9,6 +9,7 @@ from typing import Annotated, Any, TYPE_CHECKING
 import typer
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
+from rich.measure import Measurement
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -182,6 +183,67 @@ def speed(
     console.print(_work_precision_table(study))
     for line in (*study.notes, recommendation.sentence, f"Figure and table: {output}"):
         console.print(line, highlight=False)
+
+
+@app.command()
+def bench(
+    output: Annotated[Path, typer.Option(help="Folder of tables, figures and all that is finished.")] = Path(
+        "runs/bench"
+    ),
+    tasks: Annotated[
+        str | None, typer.Option(help="Names of tasks and measures with commas between; all by default.")
+    ] = None,
+    reservoirs: Annotated[str | None, typer.Option(help="Likewise of reservoirs.")] = None,
+    sweep: Annotated[
+        str | None, typer.Option(help="Instead of reservoirs: a number of the crawler, such as 'hold=0.25,0.5,1'.")
+    ] = None,
+    seeds: Annotated[int, typer.Option(help="Repetitions, each with its own inputs and random weights.")] = 5,
+    features: Annotated[int, typer.Option(help="Of every reservoir, a multiple of 3.")] = 12,
+    length: Annotated[int, typer.Option(help="Samples of a repetition.")] = 4000,
+    washout: Annotated[int, typer.Option(help="Samples at its start that are not scored.")] = 200,
+    hold: Annotated[float, typer.Option(help="Length of a hold, natural time.")] = 0.5,
+    groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
+    scene: Annotated[str, typer.Option(help="JSON such as '{\"ratchet\": false}'.")] = "{}",
+    processes: Annotated[int, typer.Option(help="To share the work among.")] = 1,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with what the folder holds.")] = False,
+) -> None:
+    """Score reservoirs on tasks over seeds, beside fair baselines, or sweep a number of the crawler."""
+    from .bench import Bench
+
+    whole_number("--processes", processes, 1)
+    body = {
+        "groups": None if groups is None else _groups(groups),
+        "scene": _json_object("--scene", scene),
+        "hold": hold,
+    }
+    benchmark = Bench(
+        output,
+        tasks=tasks,
+        reservoirs=reservoirs,
+        sweep=sweep,
+        seeds=seeds,
+        features=features,
+        length=length,
+        washout=washout,
+        body=body,
+        resume=resume,
+    )
+    with _progress_bar() as bar:
+        task = bar.add_task("scoring", total=benchmark.total)
+        for finished in benchmark.run(processes):
+            bar.update(task, completed=finished)
+    rows = benchmark.report()
+    interval = "" if seeds == 1 else f", mean ± half its 95% interval over {seeds} seeds"
+    table = Table(title=f"{features} features{interval}", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1))
+    for index, heading in enumerate(rows[0]):
+        table.add_column(heading, justify="right" if index else "left", no_wrap=True)
+    for row in rows[1:]:
+        table.add_row(*row)
+    console = Console()
+    # A table that is wider than the terminal is better scrolled or piped than cut.
+    wide = Measurement.get(console, console.options.update(max_width=1000), table).maximum
+    Console(width=max(console.width, wide)).print(table)
+    console.print(f"Tables, figures and scores: {output}", highlight=False)
 
 
 def _work_precision_table(study: "WorkPrecision") -> Table:

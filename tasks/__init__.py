@@ -6,6 +6,7 @@ from .chaos import lorenz, mackey_glass
 from .encodings import encode, ENCODINGS, pulse_width, sigma_delta, threshold
 from .figures import plot_memory_profile
 from .friction import FrictionTask
+from .measures import MEASURES
 from .narma import narma, random_narma
 from .parity import parity
 from .reservoirs import (
@@ -26,6 +27,7 @@ __all__ = [
     "ACCURACY",
     "CAPACITY",
     "ENCODINGS",
+    "MEASURES",
     "NRMSE",
     "RESERVOIRS",
     "STANDARD_RESERVOIRS",

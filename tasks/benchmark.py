@@ -1,6 +1,6 @@
 """The benchmark: every task on every reservoir, over seeds."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import product
 from typing import Any, NamedTuple, TypeVar
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..validation import whole_number
 from .catalogue import TASKS
 from .reservoirs import Reservoir, RESERVOIRS
-from .task import Task
+from .task import Solution, Task
 
 STANDARD_TASKS = ("memory capacity", "NARMA-2 NRMSE", "NARMA-10 NRMSE", "parity-2 capacity", "parity-3 capacity")
 """What is run unless said otherwise."""
@@ -28,6 +28,15 @@ class Score(NamedTuple):
     reservoir: str
     seed: int
     value: float
+
+
+class Attempt(NamedTuple):
+    """What one reservoir made of one task with one seed."""
+
+    task: str
+    reservoir: str
+    seed: int
+    solution: Solution
 
 
 class Summary(NamedTuple):
@@ -71,16 +80,47 @@ def run_benchmark(
     TypeError, ValueError
         If a name is unknown or an argument is invalid.
     """
-    chosen_tasks = _chosen("tasks", tasks, TASKS)
-    chosen_reservoirs = _chosen("reservoirs", reservoirs, RESERVOIRS)
-    length, washout = whole_number("length", length, 1), whole_number("washout", washout, 0)
-    scores = []
-    for seed, (name, reservoir) in product(seeds, chosen_reservoirs.items()):
+    return [
+        Score(task, reservoir, seed, solution.score)
+        for task, reservoir, seed, solution in attempts(
+            chosen("tasks", tasks, TASKS),
+            chosen("reservoirs", reservoirs, RESERVOIRS),
+            seeds,
+            length=whole_number("length", length, 1),
+            washout=whole_number("washout", washout, 0),
+        )
+    ]
+
+
+def attempts(
+    tasks: Mapping[str, Task],
+    reservoirs: Mapping[str, Reservoir],
+    seeds: Iterable[int],
+    *,
+    length: int,
+    washout: int,
+    done: Collection[tuple[str, str, int]] = (),
+) -> Iterator[Attempt]:
+    """Try every task on every reservoir, one after the other as they are asked for.
+
+    Parameters
+    ----------
+    tasks, reservoirs, seeds, length, washout
+        As in `run_benchmark`, but for the names.
+    done : collection of (task, reservoir, seed)
+        Left out.
+
+    Yields
+    ------
+    Attempt
+        In the order of seeds, reservoirs, tasks.
+    """
+    for seed, (name, reservoir) in product(seeds, reservoirs.items()):
         remembering = _Remembering(reservoir)
-        for title, task in chosen_tasks.items():
-            solution = task.attempt(remembering, length=length, seed=seed, washout=washout)
-            scores.append(Score(title, name, seed, solution.score))
-    return scores
+        for title, task in tasks.items():
+            if (title, name, seed) not in done:
+                solution = task.attempt(remembering, length=length, seed=seed, washout=washout)
+                yield Attempt(title, name, seed, solution)
 
 
 class _Remembering:
@@ -146,9 +186,10 @@ def _cell(summary: Summary) -> str:
     return f"{summary.mean:.2f}" + (f" ± {summary.std:.2f}" if summary.seeds > 1 else "")
 
 
-def _chosen(
+def chosen(
     argument: str, wanted: Mapping[str, Entry] | Iterable[str], registry: Mapping[str, Entry]
 ) -> Mapping[str, Entry]:
+    """Entries by name: those given, or those of a registry whose names are given."""
     if isinstance(wanted, Mapping):
         return wanted
     names = [wanted] if isinstance(wanted, str) else list(wanted)

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..reservoir import memory_capacity, MemoryCapacity, nrmse, predict_held_out
+from ..reservoir import memory_capacity, MemoryCapacity, nrmse
+from ..reservoir.ridge import samples_needed, training_samples
 from ..validation import whole_number
 from .reservoirs import Reservoir
 
@@ -16,6 +17,8 @@ __all__ = ["ACCURACY", "CAPACITY", "DELAYS", "NRMSE", "Metric", "Problem", "Seri
 
 DELAYS = 40
 """Delays over which capacities are summed."""
+
+_HOLDOUT = 0.5
 
 
 class Solution(NamedTuple):
@@ -25,6 +28,7 @@ class Solution(NamedTuple):
     prediction: NDArray[np.float64] | None = None  # of the held-out samples
     target: NDArray[np.float64] | None = None
     memory: MemoryCapacity | None = None
+    details: dict[str, Any] | None = None  # what else was measured, ready for JSON
 
 
 class Metric(NamedTuple):
@@ -40,13 +44,28 @@ class Metric(NamedTuple):
         return score > to if self.more_is_better else score < to
 
 
+def _held_out(states: NDArray[np.float64], targets: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """Prediction and target of the last half, by a readout whose penalty was chosen within the first, one left out."""
+    # Imported where it is used: scikit-learn takes a second.
+    from ..reservoir import RidgeReadout
+
+    samples, features = states.shape
+    if samples < (needed := samples_needed(features, _HOLDOUT)):
+        raise ValueError(
+            f"states must have at least {needed} samples for {features} features to be scored, got {samples}"
+        )
+    training = training_samples(samples, _HOLDOUT)
+    readout = RidgeReadout().fit(states[:training], targets[:training])
+    return readout.predict(states[training:]), targets[training:]
+
+
 def _nrmse(states: NDArray[np.float64], targets: NDArray[np.float64], start: int) -> Solution:
-    prediction, target = predict_held_out(states[start:], targets[start:])
+    prediction, target = _held_out(states[start:], targets[start:])
     return Solution(nrmse(prediction, target), prediction, target)
 
 
 def _accuracy(states: NDArray[np.float64], targets: NDArray[np.float64], start: int) -> Solution:
-    prediction, target = predict_held_out(states[start:], targets[start:])
+    prediction, target = _held_out(states[start:], targets[start:])
     return Solution(float(np.mean((prediction >= 0.5) == (target >= 0.5))), prediction, target)
 
 

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from stickslip.commands import run
+from stickslip.tasks import known_reservoirs, run_benchmark, SeriesTask
 
 
 def refuse(capsys, *arguments):
@@ -130,7 +131,94 @@ def test_speed_and_accuracy_are_measured_and_a_choice_recommended(capsys, tmp_pa
     assert len(found["rows"]) >= 13
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--tasks", "NARMA-3"], "error: --tasks must be among ['memory capacity', "),
+        (["--tasks", ""], "error: --tasks must be among ['memory capacity', "),
+        (["--reservoirs", "crawler, octopus"], "error: --reservoirs must be among ['crawler', "),
+        (["--features", "10"], "error: features must be a multiple of 3, got 10"),
+        (["--features", "0"], "error: --features must be a whole number >= 3, got 0"),
+        (["--seeds", "0"], "error: --seeds must be a whole number >= 1, got 0"),
+        (["--length", "0"], "error: --length must be a whole number >= 1, got 0"),
+        (["--washout", "-1"], "error: --washout must be a whole number >= 0, got -1"),
+        (["--processes", "0"], "error: --processes must be a whole number >= 1, got 0"),
+        (["--hold", "nan"], "error: hold must be in "),
+        (["--groups", "octopus"], "error: groups must be one of the presets ["),
+        (["--scene", '{"wheels": 4}'], "error: scene has no 'wheels'"),
+        (["--sweep", "hold=1"], "error: sweep must be a name and two or more distinct values such as 'hold=0.25,0.5'"),
+        (["--sweep", "wheels=1,2"], "error: sweep has no 'wheels'; allowed are ['hold', 'amplitude', "),
+        (["--sweep", "hold=-1,2"], "error: hold must be in "),
+        (["--sweep", "hold=1,2", "--reservoirs", "crawler"], "error: --reservoirs must be left out where --sweep is"),
+    ],
+)
+def test_a_benchmark_is_refused_in_one_line(capsys, tmp_path, arguments, message):
+    assert refuse(capsys, "bench", "--output", str(tmp_path / "bench"), *arguments).startswith(message)
+    assert not (tmp_path / "bench").exists()
+
+
+def test_a_benchmark_is_run_and_resumed(capsys, monkeypatch, tmp_path):
+    folder = tmp_path / "bench"
+    tasks = "memory capacity, NARMA-2 NRMSE,information capacity"
+    command = ["bench", "--output", str(folder), "--reservoirs", "crawler,delay line", "--length", "600"]
+    command += ["--features", "6", "--tasks", tasks]
+    attempted = []
+
+    def fail_at_the_third(self, reservoir, **draw):
+        attempted.append(draw["seed"])
+        if len(attempted) == 3:
+            raise KeyboardInterrupt
+        return original(self, reservoir, **draw)
+
+    original = SeriesTask.attempt
+    monkeypatch.setattr(SeriesTask, "attempt", fail_at_the_third)
+    with pytest.raises((KeyboardInterrupt, SystemExit)):
+        sys.exit(run([*command, "--seeds", "1"]))
+    assert len(list((folder / "finished").glob("*-0.json"))) == 3  # two of the tasks, and the measure
+
+    assert run([*command, "--seeds", "1"]) == 1
+    assert "bench holds a run already: resume it, or choose another folder" in capsys.readouterr().err
+    assert run([*command, "--seeds", "2", "--washout", "100", "--resume"]) == 1
+    assert "washout must be 200 to go on with the run in " in capsys.readouterr().err
+    assert run([*command, "--seeds", "2", "--resume"]) == 0
+    assert len(attempted) == 3 + 2 + 4  # the crawler's with the first seed are not made again
+
+    printed = capsys.readouterr().out
+    assert "6 features, mean ± half its 95% interval over 2 seeds" in printed
+    assert "NARMA-2 NRMSE ↓" in printed
+    made = {f"{name}.png" for name in ("scores", "profiles", "information", "predictions")}
+    assert made | {"benchmark.json", "table.md", "finished"} == {path.name for path in folder.iterdir()}
+    found = json.loads((folder / "benchmark.json").read_text(encoding="utf-8"))
+    assert (found["inputs"]["features"], found["inputs"]["seeds"]) == (6, [0, 1])
+    again = run_benchmark(
+        tasks=["memory capacity", "NARMA-2 NRMSE"],
+        reservoirs={name: known_reservoirs(6)[name] for name in ("crawler", "delay line")},
+        seeds=[0, 1],
+        length=600,
+    )
+    scores = {(score["task"], score["reservoir"], score["seed"]): score["score"] for score in found["scores"]}
+    assert len(scores) == 12
+    for score in again:
+        assert scores[score[:3]] == score.value
+    assert (folder / "table.md").read_text(encoding="utf-8").startswith("| task | crawler | delay line |\n")
+
+
+def test_a_sweep_is_run_by_two_processes(capsys, tmp_path):
+    folder = tmp_path / "sweep"
+    command = ["bench", "--output", str(folder), "--length", "400", "--features", "3", "--seeds", "2"]
+    assert run([*command, "--sweep", "hold=1,0.5", "--tasks", "NARMA-2 NRMSE", "--processes", "2"]) == 0
+    assert "hold = 0.5" in capsys.readouterr().out
+    found = json.loads((folder / "benchmark.json").read_text(encoding="utf-8"))
+    assert [mean["reservoir"] for mean in found["means"]] == ["hold = 0.5", "hold = 1"]
+    assert found["inputs"]["sweep"] == "hold"
+    assert (folder / "sweep.png").stat().st_size > 1000
+    [score] = run_benchmark(
+        tasks=["NARMA-2 NRMSE"], reservoirs={"body": known_reservoirs(3, hold=1)["crawler"]}, seeds=[1], length=400
+    )
+    assert score.value in [each["score"] for each in found["scores"]]
+
+
 def test_the_program_is_installed():
     program = os.path.join(os.path.dirname(sys.executable), "stickslip")
     shown = subprocess.run([program, "--help"], capture_output=True, text=True, check=True)
-    assert {"demo", "train", "evaluate", "speed"} <= set(shown.stdout.split())
+    assert {"demo", "train", "evaluate", "speed", "bench"} <= set(shown.stdout.split())

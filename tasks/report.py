@@ -1,0 +1,99 @@
+"""What a benchmark came to: means with intervals over seeds, as a table and as JSON."""
+
+import math
+import platform
+from collections.abc import Iterable, Mapping
+from importlib.metadata import version
+from typing import Any
+
+from ..reservoir import Estimate, mean_over_runs
+from .records import Record
+from .task import Task
+
+__all__ = ["as_json", "as_markdown", "as_rows", "estimates", "versions"]
+
+_LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "scikit-learn")
+_DIGITS = {"NRMSE": 3, "accuracy": 3}
+
+
+def estimates(records: Iterable[Record]) -> dict[tuple[str, str], Estimate]:
+    """Mean over seeds with its 95% interval, by task and reservoir in order of first appearance.
+
+    Of a single seed the ends of the interval are not numbers.
+    """
+    values: dict[tuple[str, str], list[float]] = {}
+    for record in records:
+        values.setdefault((record.task, record.reservoir), []).append(record.score)
+    return {
+        key: mean_over_runs(scores) if len(scores) > 1 else Estimate(scores[0], math.nan, math.nan, 1)
+        for key, scores in values.items()
+    }
+
+
+def as_rows(found: Mapping[tuple[str, str], Estimate], tasks: Mapping[str, Task]) -> list[list[str]]:
+    """Lay estimates out as text, a row a task and a column a reservoir, under a row of headings.
+
+    Parameters
+    ----------
+    found : mapping of (task, reservoir) to Estimate
+        Every task on every reservoir.
+    tasks : mapping of str to Task
+        Which way is better, told by an arrow.
+
+    Returns
+    -------
+    list of list of str
+        Cells read "mean ± half the interval", or "mean" for a single seed.
+    """
+    reservoirs = list(dict.fromkeys(reservoir for _, reservoir in found))
+    rows = []
+    for task in dict.fromkeys(task for task, _ in found):
+        metric = tasks[task].metric
+        digits = _DIGITS.get(metric.name, 2)
+        cells = [_cell(found[task, reservoir], digits) for reservoir in reservoirs]
+        rows.append([f"{task} {'↑' if metric.more_is_better else '↓'}", *cells])
+    return [["task", *reservoirs], *rows]
+
+
+def as_markdown(rows: list[list[str]]) -> str:
+    """A table for a page of Markdown."""
+    under = ["---", *["---:"] * (len(rows[0]) - 1)]
+    return "\n".join(f"| {' | '.join(row)} |" for row in [rows[0], under, *rows[1:]])
+
+
+def as_json(
+    records: Iterable[Record], found: Mapping[tuple[str, str], Estimate], inputs: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Inputs, versions, means and every score, ready for JSON."""
+    return {
+        "inputs": dict(inputs),
+        "versions": versions(),
+        "interval": "95%, Student's t over seeds",
+        "means": [
+            {
+                "task": task,
+                "reservoir": reservoir,
+                "mean": each.mean,
+                "interval": None if math.isnan(each.low) else [each.low, each.high],
+                "seeds": each.runs,
+            }
+            for (task, reservoir), each in found.items()
+        ],
+        "scores": [
+            {
+                **{name: value for name, value in record._asdict().items() if name != "details"},
+                **{name: value for name, value in record.details.items() if name not in ("prediction", "target")},
+            }
+            for record in records
+        ],
+    }
+
+
+def versions() -> dict[str, str]:
+    """Of Python and of the libraries that the numbers come from."""
+    return {"python": platform.python_version(), **{library: version(library) for library in _LIBRARIES}}
+
+
+def _cell(each: Estimate, digits: int) -> str:
+    half = "" if math.isnan(each.low) else f" ± {(each.high - each.low) / 2:.{digits}f}"
+    return f"{each.mean:.{digits}f}{half}"

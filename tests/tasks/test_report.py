@@ -1,0 +1,110 @@
+import math
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.container import BarContainer, ErrorbarContainer
+
+from stickslip.reservoir import Estimate
+from stickslip.tasks import TASKS
+from stickslip.tasks.benchmark_figures import (
+    plot_information,
+    plot_predictions,
+    plot_profiles,
+    plot_scores,
+    plot_sweep,
+)
+from stickslip.tasks.records import Record
+from stickslip.tasks.report import as_json, as_markdown, as_rows, estimates
+
+mpl.use("agg")
+
+NARMA, PARITY = "NARMA-2 NRMSE", "parity-2 capacity"
+
+
+def records(task, scores, reservoir="crawler", **details):
+    return [Record(task, reservoir, seed, score, details) for seed, score in enumerate(scores)]
+
+
+def test_the_interval_is_students():
+    """Mean of 1, 2, 3: t(0.975, 2) = 4.302653 (tables), s = 1."""
+    found = estimates(records(NARMA, [1.0, 2.0, 3.0]))[NARMA, "crawler"]
+    assert (found.mean, found.runs) == (2.0, 3)
+    assert found.high - found.mean == pytest.approx(4.302653 / math.sqrt(3), rel=1e-6)
+
+
+def test_the_table_by_hand():
+    found = {(NARMA, "a"): Estimate(0.5, 0.4, 0.6, 5), (NARMA, "b"): Estimate(0.25, math.nan, math.nan, 1)}
+    found |= {(PARITY, "a"): Estimate(1.0, 0.5, 1.5, 5), (PARITY, "b"): Estimate(2.0, 2.0, 2.0, 5)}
+    rows = as_rows(found, TASKS)
+    assert rows == [
+        ["task", "a", "b"],
+        ["NARMA-2 NRMSE ↓", "0.500 ± 0.100", "0.250"],
+        ["parity-2 capacity ↑", "1.00 ± 0.50", "2.00 ± 0.00"],
+    ]
+    assert as_markdown(rows).splitlines()[:2] == ["| task | a | b |", "| --- | ---: | ---: |"]
+
+
+def test_the_json_says_what_was_run_and_every_score():
+    kept = records(NARMA, [0.5], prediction=[0.0], target=[1.0]) + records(PARITY, [1.0, 2.0], profile=[1.0])
+    told = as_json(kept, estimates(kept), {"length": 10})
+    assert told["inputs"] == {"length": 10}
+    assert {"python", "stickslip", "numpy"} <= set(told["versions"])
+    assert told["means"][0] == {
+        "task": NARMA, "reservoir": "crawler", "mean": 0.5, "interval": None, "seeds": 1
+    }  # fmt: skip
+    assert told["means"][1]["interval"][0] < 1.5 < told["means"][1]["interval"][1]
+    assert told["scores"][0] == {"task": NARMA, "reservoir": "crawler", "seed": 0, "score": 0.5}
+    assert told["scores"][2] == {"task": PARITY, "reservoir": "crawler", "seed": 1, "score": 2.0, "profile": [1.0]}
+
+
+def test_the_chart_of_scores_has_a_panel_a_unit_and_a_marker_a_reservoir():
+    found = {
+        (task, reservoir): Estimate(mean, mean - 0.1, mean + 0.1, 5)
+        for task, mean in ((NARMA, 0.5), ("NARMA-10 NRMSE", 0.6), (PARITY, 2.0))
+        for reservoir in ("a", "b")
+    }
+    figure = plot_scores(found, TASKS)
+    errors, capacity = figure.axes
+    assert [label.get_text() for label in errors.get_yticklabels()] == ["NARMA-2 NRMSE ↓", "NARMA-10 NRMSE ↓"]
+    assert "standard deviation" in errors.get_xlabel()
+    first = next(each for each in errors.containers if isinstance(each, ErrorbarContainer))
+    np.testing.assert_allclose(np.asarray(first[0].get_xdata(orig=False), dtype=float), [0.5, 0.6])
+    np.testing.assert_allclose(first[2][0].get_segments()[0][:, 0], [0.4, 0.6])
+    assert len({each[0].get_color() for each in capacity.containers}) == 2
+
+
+def test_profiles_are_means_over_seeds():
+    kept = [Record(PARITY, "a", seed, 0.0, {"profile": [1.0, 0.5 * seed, 0.0]}) for seed in (0, 1)]
+    [ax] = plot_profiles(kept + records(PARITY, [0.0], "b", profile=[0.0] * 3)).axes
+    np.testing.assert_allclose([line.get_ydata() for line in ax.lines], [[1, 0.25, 0], [0, 0, 0]])
+
+
+def test_information_is_stacked_to_its_total_beside_the_rank():
+    by_degree = {"by degree": {"1": 2.0, "2": 1.0}, "rank": 4}
+    [ax] = plot_information(records("information capacity", [3.0, 3.0], **by_degree)).axes
+    bars = [each[0] for each in ax.containers if isinstance(each, BarContainer)]
+    assert [(bar.get_x(), bar.get_width()) for bar in bars] == [(0, 2), (2, 1)]
+    assert 4.0 in [segment[0][0] for each in ax.collections for segment in each.get_segments()]
+
+
+def test_predictions_are_drawn_against_their_target():
+    kept = [
+        Record(task, reservoir, seed, 0.5, {"prediction": [seed + 1.0] * 9, "target": [0.0] * 9})
+        for task in (NARMA, "NARMA-10 NRMSE", "Lorenz NRMSE")
+        for reservoir in ("other", "another", "delay line", "crawler")
+        for seed in (1, 0)
+    ]
+    panels = plot_predictions(kept, samples=5).axes
+    assert [ax.get_title(loc="left").split(":")[0] for ax in panels[:3]] == [NARMA, "NARMA-10 NRMSE", "Lorenz NRMSE"]
+    lines = {line.get_label(): line.get_ydata() for line in panels[0].lines}
+    assert list(lines) == ["target", "crawler", "delay line", "other"]
+    np.testing.assert_array_equal(lines["crawler"], [1.0] * 5)
+
+
+def test_a_sweep_is_drawn_with_its_intervals():
+    figure = plot_sweep("hold", [0.25, 1.0, 4.0], {NARMA: [Estimate(m, m - 0.1, m + 0.1, 5) for m in (1, 2, 3)]}, TASKS)
+    [ax] = figure.axes
+    assert (ax.get_xscale(), ax.get_xlabel(), ax.get_ylabel()) == ("log", "hold ($t_c$)", "NRMSE")
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["0.25", "1", "4"]
+    np.testing.assert_array_equal(ax.containers[0][0].get_ydata(), [1, 2, 3])
