@@ -132,6 +132,19 @@ def steps_a_hold(holds: int = 4000) -> float:
     return outcome.steps / holds
 
 
+def floor() -> dict[str, float]:
+    """What a hold would take one core at its peak, from the counted arithmetic of its vector steps and samples."""
+    steps, most = steps_a_hold(), peak()
+    step, sample = flops(_one_step), flops(_one_sample)
+    return {
+        "steps a hold": steps,
+        "operations a step": step,
+        "operations a sample": sample,
+        "peak, operations a us": most,
+        "us a hold": (steps * step + SAMPLES * sample) / most,
+    }
+
+
 def main() -> None:
     """Print the table and the floor."""
     works = {}
@@ -147,11 +160,11 @@ def main() -> None:
         name, n = key.split("|")
         low, middle, high = (each / int(n) * 1e6 for each in quartiles(list(times.values())))
         print(f"{name:20}{n:>8}{low:10.3f}{middle:10.3f}{high:10.3f}")
-    steps, most = steps_a_hold(), peak()
-    step, sample = flops(_one_step), flops(_one_sample)
-    work = steps * step + SAMPLES * sample
-    print(f"\n{steps:.2f} steps a hold of {step} operations, {SAMPLES} samples of {sample}: {work:.0f} in all")
-    print(f"peak {most / 1e3:.1f} operations a nanosecond: the floor is {work / most:.3f} microseconds a hold")
+    least = floor()
+    print(f"\n{least['steps a hold']:.2f} steps a hold of {least['operations a step']} operations, ", end="")
+    print(f"{SAMPLES} samples of {least['operations a sample']}")
+    print(f"peak {least['peak, operations a us'] / 1e3:.1f} operations a nanosecond: ", end="")
+    print(f"the floor is {least['us a hold']:.3f} microseconds a hold")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import gymnasium as gym
 import numpy as np
+from lanes import floor
 from measuring import keep, machine, quartiles, refresh, take_turns
 
 RESULTS = Path(__file__).parent / "results" / "vector_speed.json"
@@ -144,7 +145,18 @@ def tables(results: dict[str, Any]) -> dict[str, str]:
         by_size.append(f"| {count} | {middle:.3g} [{low:.3g}, {high:.3g}] |")
     memory = ["| | kB per crawler |", "|---|---:|"]
     memory += [f"| {name} | {size / 1e3:.1f} |" for name, size in results["bytes"].items()]
-    made = {"peers": peers, "threads": threads, "sizes": by_size, "memory": memory}
+    least, core = results["floor"], results["peers"][f"{SPEED}, threads=1"]["steps/s"][1]
+    bound = [
+        "| physics of a hold, one core | |",
+        "|---|---:|",
+        f"| steps of the Taylor series | {least['steps a hold']:.2f} |",
+        f"| operations in a step | {least['operations a step']} |",
+        f"| operations in each of 4 samples | {least['operations a sample']} |",
+        f"| peak measured, multiply-adds in all lanes | {least['peak, operations a us'] / 1e3:.0f} operations/ns |",
+        f"| so the floor is | {least['us a hold']:.3f} us |",
+        f"| a step of the environment, readout off, takes | {1e6 / core:.2f} us |",
+    ]
+    made = {"floor": bound, "peers": peers, "threads": threads, "sizes": by_size, "memory": memory}
     return {f"vector {name}": "\n".join(lines) for name, lines in made.items()}
 
 
@@ -158,6 +170,7 @@ def main() -> None:
         "rounds": rounds,
         "peers": peers(rounds),
         "sizes": sizes(rounds),
+        "floor": floor(),
         "bytes": {"memory readout on": bytes_each(), "readout off": bytes_each(**NO_READOUT)},
     }
     made = tables(results)
