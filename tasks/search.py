@@ -31,7 +31,7 @@ from .reservoirs import Reservoir
 from .space import Choice, Space
 from .task import Task
 
-__all__ = ["Evaluation", "Found", "search", "held_out_scores"]
+__all__ = ["Evaluation", "Found", "held_out_scores", "search"]
 
 _Point = NDArray[np.float64]
 
