@@ -100,10 +100,15 @@ class Space:
         return Space({**self.dimensions, **{name: Choice([value]) for name, value in fixed.items()}}, self.build)
 
 
-_SEGMENTS = (1, 2, 3, 5, 6, 10, 15, 20, 30)
+_SEGMENTS = (1, 2, 3, 5, 6, 10, 15, 20, 30, 60)
 _READINGS = {
-    "deformation, velocity": ("deformation", "velocity"),
-    "deformation, velocity, pressure": ("deformation", "velocity", "pressure"),
+    ", ".join(readings): readings
+    for readings in (
+        ("deformation",),
+        ("velocity",),
+        ("deformation", "velocity"),
+        ("deformation", "velocity", "pressure"),
+    )
 }
 # Of a chain that swings faster or is stiffer within a sample, one evaluation takes as long as dozens of others.
 _MOST_RADIANS, _MOST_TIME_CONSTANTS = 40.0, 100.0
@@ -116,7 +121,7 @@ def body_space(features: int) -> Space:
 
     Parameters
     ----------
-    features : int, at least 2
+    features : int, at least 3
         Virtual nodes are as many as fit, so that segments and virtual nodes compete for the same features.
 
     Returns
@@ -131,23 +136,23 @@ def body_space(features: int) -> Space:
     TypeError, ValueError
         If `features` is not such an integer.
     """
-    features = whole_number("features", features, 2)
+    features = whole_number("features", features, 3)
     dimensions: dict[str, Dimension] = {
-        "segments": Choice([n for n in _SEGMENTS if 2 * n <= features]),
+        "segments": Choice([n for n in _SEGMENTS if n <= features]),
         "ground": Choice(("anchored", "ratchet", "free")),
-        "readings": Choice(tuple(_READINGS)[: 2 if features > 2 else 1]),
+        "readings": Choice(tuple(_READINGS)),
         "encoding": Choice(tuple(ENCODINGS)),
         "holds_per_sample": Choice((1, 2, 4)),
-        "sample_time": Range(0.03, 5.0, log=True),
-        "tube_mass": Range(0.1, 30.0, log=True),
-        "slope": Range(-0.3, 0.3),
+        "sample_time": Range(0.03, 10.0, log=True),
+        "tube_mass": Range(0.1, 300.0, log=True),
+        "slope": Range(-0.5, 0.5),
         "duffing": Range(1e-3, 10.0, log=True),
-        "damping_ratio": Range(1e-4, 0.5, log=True),
+        "damping_ratio": Range(1e-4, 3.0, log=True),
         "deborah": Range(5e-3, 5.0, log=True),
         "radial_coupling": Range(1e-3, 2.0, log=True),
-        "foot_mass_fraction": Range(0.05, 0.98),
-        "static_friction": Range(3e-3, 1.0, log=True),
-        "kinetic_share": Range(0.2, 1.0),
+        "foot_mass_fraction": Range(0.02, 0.98),
+        "static_friction": Range(1e-3, 1.0, log=True),
+        "kinetic_share": Range(0.0, 1.0),
     }
 
     def build(values: Mapping[str, Any]) -> BodyReservoir | None:
