@@ -1,4 +1,4 @@
-"""The command line: ``stickslip demo``, ``stickslip train``, ``stickslip evaluate``, ``stickslip speed``."""
+"""The command line: ``stickslip demo``, ``stickslip train``, ``stickslip evaluate``, ``stickslip speed``, ``stickslip search``."""
 
 import sys
 

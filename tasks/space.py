@@ -111,7 +111,7 @@ _READINGS = {
     )
 }
 # Of a chain that swings faster or is stiffer within a sample, one evaluation takes as long as dozens of others.
-_MOST_RADIANS, _MOST_TIME_CONSTANTS = 40.0, 100.0
+_MOST_RADIANS, _MOST_TIME_CONSTANTS = 12.0, 30.0
 # The readout's penalty hides what is smaller than 1e-4 of the states: digits beyond these are of no use to it.
 _TOLERANCE = 1e-7
 
@@ -128,7 +128,7 @@ def body_space(features: int) -> Space:
     -------
     Space
         Over the groups, the scene, the length of a hold, the encoding, the holds a sample, and what is read. Chains
-        that swing by more than 40 radians in a sample, or settle in less than a hundredth of one, are left out for
+        that swing by more than 12 radians in a sample, or settle in less than a thirtieth of one, are left out for
         their cost.
 
     Raises

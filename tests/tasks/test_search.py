@@ -170,7 +170,7 @@ def test_a_body_is_what_its_values_say():
         readings="deformation, velocity, pressure",
     ).at(point)
     body = space.build(values)
-    assert body.scene == Scene(segments=10, tube_mass=4.0, ratchet=False, slope=values["slope"])
+    assert body.scene == Scene(segments=10, tube_mass=9.0, ratchet=False, slope=values["slope"])
     assert (body.hold, body.holds_per_sample) == (0.5, 2)
     assert body.groups.kinetic_friction == pytest.approx(values["kinetic_share"] * body.groups.static_friction)
     assert body.features == 42  # 2 x 10 + 1 readings, at two virtual nodes
