@@ -1,4 +1,4 @@
-"""The command line: ``stickslip demo``, ``stickslip train``, ``stickslip evaluate``, ``stickslip speed``, ``stickslip search``."""
+"""The command line: ``stickslip`` with ``demo``, ``train``, ``evaluate``, ``speed`` or ``search``."""
 
 import sys
 

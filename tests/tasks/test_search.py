@@ -166,7 +166,7 @@ def test_a_body_is_what_its_values_say():
         ground="free",
         holds_per_sample=2,
         sample_time=1.0,
-        tube_mass=4.0,
+        tube_mass=9.0,
         readings="deformation, velocity, pressure",
     ).at(point)
     body = space.build(values)
