@@ -25,7 +25,6 @@ from stickslip.crawler.plotting import house_style, MARKERS, OKABE_ITO, save_fig
 from stickslip.reservoir import information_processing_capacity, mean_over_runs, nrmse, predict_held_out
 from stickslip.tasks import (
     body_space,
-    BodyReservoir,
     DelayLine,
     echo_state_space,
     EchoState,
@@ -47,7 +46,7 @@ VALIDATION, TESTS, LENGTH = range(1000, 1004), range(10), 4000
 NOISE = 1e-3
 # Of real numbers the pulse width is the best encoding by far, and of bits there is nothing to choose.
 _BODIES = body_space(FEATURES).where(encoding="pulse_width")
-# A heavy tube along which waves travel to the anchor and back, read everywhere: the body that is most like a delay line.
+# Of real numbers the pulse width is by far the best encoding (docs/encodings.md); of bits there is none to choose.
 _WAVES = {
     "ground": "anchored",
     "segments": 30,
@@ -85,6 +84,19 @@ def searched(task: str, kind: str, evaluations: int, seconds: float) -> Found:
     )
 
 
+def remembering(reservoir: Reservoir) -> Reservoir:
+    """The reservoir, driven once by each series."""
+    kept: dict[tuple[bytes, int], NDArray[np.float64]] = {}
+
+    def states(series: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
+        key = series.tobytes(), seed
+        if key not in kept:
+            kept[key] = reservoir(series, seed)
+        return kept[key]
+
+    return states
+
+
 def noisy(reservoir: Reservoir) -> Reservoir:
     """The reservoir read with noise of a thousandth of each state's standard deviation."""
 
@@ -95,21 +107,19 @@ def noisy(reservoir: Reservoir) -> Reservoir:
     return states
 
 
-def read_at(reservoir: Reservoir, features: int) -> Reservoir:
-    """The same reservoir with fewer features: of a body's readings some, evenly spread; or fewer nodes or taps."""
-    if isinstance(reservoir, BodyReservoir):
-        body = reservoir
-        kept = np.unique(np.linspace(0, body.features - 1, features).round().astype(int))
-        return lambda series, seed: body(series, seed)[:, kept]
-    assert isinstance(reservoir, EchoState | DelayLine)
-    return replace(reservoir, features=features)
-
-
 def curve(task: str, reservoir: Reservoir, counts: Sequence[int]) -> dict[str, list[float]]:
-    """Mean scores over three test seeds, against the number of features."""
+    """Mean scores over three test seeds: fewer of a body's readings, evenly spread, or fewer nodes or taps."""
     most: int = reservoir.features  # type: ignore[attr-defined]
     counts = [*(count for count in counts if count < most), most]
-    scores = [held_out_scores(TASKS[task], read_at(reservoir, count), range(3), length=LENGTH)[0] for count in counts]
+    whole = remembering(reservoir)
+
+    def fewer(features: int) -> Reservoir:
+        if isinstance(reservoir, EchoState | DelayLine):
+            return replace(reservoir, features=features)
+        kept = np.linspace(0, most - 1, features).round().astype(int)
+        return lambda series, seed: whole(series, seed)[:, kept]
+
+    scores = [held_out_scores(TASKS[task], fewer(count), range(3), length=LENGTH)[0] for count in counts]
     return {"features": counts, "mean": [float(np.mean(each)) for each in scores]}
 
 
@@ -196,14 +206,14 @@ def measured(task: str, evaluations: int, seconds: float) -> dict[str, Any]:
         "echo-state network": found["echo-state network"].reservoir,
         "delay line": DelayLine(FEATURES),
     }
-    tests = {
-        name: held_out_scores(TASKS[task], each, TESTS, validation_seeds=VALIDATION, length=LENGTH)[0]
-        for name, each in reservoirs.items()
-    }
-    with_noise = {
-        name: held_out_scores(TASKS[task], noisy(each), TESTS, validation_seeds=VALIDATION, length=LENGTH)[0]
-        for name, each in reservoirs.items()
-    }
+    driven = {name: remembering(each) for name, each in reservoirs.items()}
+    tests, with_noise = (
+        {
+            name: held_out_scores(TASKS[task], read(each), TESTS, validation_seeds=VALIDATION, length=LENGTH)[0]
+            for name, each in driven.items()
+        }
+        for read in (lambda each: each, noisy)
+    )
     counts = (6, 12, 20, 30, 40, 60)
     return {
         "input": CHOSEN[task],
