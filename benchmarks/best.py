@@ -20,11 +20,13 @@ import numpy as np
 from matplotlib import pyplot as plt
 from measuring import keep, machine, refresh
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
 from stickslip.crawler.plotting import house_style, MARKERS, OKABE_ITO, save_figure
 from stickslip.reservoir import information_processing_capacity, mean_over_runs, nrmse, predict_held_out
 from stickslip.tasks import (
     body_space,
+    BodyReservoir,
     DelayLine,
     echo_state_space,
     EchoState,
@@ -123,6 +125,21 @@ def curve(task: str, reservoir: Reservoir, counts: Sequence[int]) -> dict[str, l
 
     scores = [held_out_scores(TASKS[task], fewer(count), range(3), length=LENGTH)[0] for count in counts]
     return {"features": counts, "mean": [float(np.mean(each)) for each in scores]}
+
+
+def mode_memories(body: BodyReservoir) -> list[float]:
+    """Samples in which each swing of an anchored chain falls to 1/e, the slowest swing first, were it linear.
+
+    Stiffness K and damping 2 Pi2 K are proportional, so that a mode of frequency w decays at the rate Pi2 w^2, and one
+    that is overdamped at that of its slower part.
+    """
+    segments, groups = body.scene.segments, body.groups
+    lump = body.scene.tube_mass / segments
+    mass = np.diag([lump] * (segments - 1) + [lump / 2 + 1 - groups.foot_mass_fraction])
+    stretch = np.eye(segments) - np.eye(segments, k=-1)
+    squared = np.sort(eigh(segments * stretch.T @ stretch, mass, eigvals_only=True))
+    rates = -np.real(-groups.damping_ratio * squared + np.emath.sqrt((groups.damping_ratio * squared) ** 2 - squared))
+    return [float(samples) for samples in 1 / (rates * body.hold * body.holds_per_sample)]
 
 
 Functions = dict[str, list[NDArray[np.float64]]]
@@ -234,6 +251,7 @@ def measured(task: str, evaluations: int, seconds: float) -> dict[str, Any]:
         "with_noise": with_noise,
         "curves": {name: curve(task, each, counts) for name, each in reservoirs.items() if name != "crawler"},
         "diagnosis": diagnosis(task, reservoirs),
+        "mode_memories": mode_memories(found["waves"].reservoir),  # type: ignore[arg-type]
     }
 
 
@@ -273,6 +291,11 @@ def tables(tasks: dict[str, dict[str, Any]]) -> dict[str, str]:
             shares = [degrees["by_degree"].get(key, degrees["by_degree"].get(str(key), 0.0)) for key in (1, 2, 3, 4)]
             lines.append(f"| {task} | {name} | {degrees['rank']} | {' | '.join(f'{x:.1f}' for x in shares)} |")
     made["degrees"] = "\n".join(lines)
+    lines = ["| task | slowest mode | a quarter are slower | median | a quarter are faster |", f"|---|{'---:|' * 4}"]
+    for task, each in tasks.items():
+        samples = np.quantile(each["mode_memories"], (1, 0.75, 0.5, 0.25))
+        lines.append(f"| {task} | {' | '.join(f'{value:.3g}' for value in samples)} |")
+    made["modes"] = "\n".join(lines)
     blocks = []
     for task, each in tasks.items():
         body = each["found"][each["winner"]]

@@ -6,7 +6,8 @@ import best
 import numpy as np
 import pytest
 
-from stickslip.tasks import DelayLine, EchoState
+from stickslip.crawler import Scene
+from stickslip.tasks import BodyReservoir, DelayLine, EchoState
 
 
 def test_the_delay_line_holds_its_taps_and_no_product():
@@ -42,3 +43,13 @@ def test_noise_is_a_thousandth_and_its_own_each_time():
 
 def test_a_cell_by_hand():
     assert best.cell([1.0, 3.0]) == "2.00 [-10.71, 14.71]"
+
+
+def test_modes_decay_as_the_body_does():
+    """Pulled and let go by a valve that shuts, a linear anchored chain ends in its slowest mode."""
+    groups = {"duffing": 0.0, "radial_coupling": 0.0, "damping_ratio": 0.05, "deborah": 0.01}
+    body = BodyReservoir(groups, Scene(segments=4, tube_mass=3.0, anchored=True), hold=0.5, readings="deformation")
+    slowest = max(best.mode_memories(body))
+    stretch = body(np.repeat([1.0, 0.0], [200, 400]))
+    early, late = (np.linalg.norm(stretch[part]) for part in (slice(280, 380), slice(480, 580)))
+    assert 200 / np.log(early / late) == pytest.approx(slowest, rel=0.03)
