@@ -258,7 +258,7 @@ def measured(task: str, evaluations: int, seconds: float) -> dict[str, Any]:
 def cell(scores: Sequence[float]) -> str:
     estimate = mean_over_runs(scores)
     half = estimate.high - estimate.mean
-    digits = max(2, min(4, 1 - math.floor(math.log10(half)))) if half > 1e-9 else 2
+    digits = max(2, min(4, 1 - math.floor(math.log10(half)))) if half > 1e-5 else 2
     return f"{estimate.mean:.{digits}f} [{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]"
 
 
@@ -299,8 +299,9 @@ def tables(tasks: dict[str, dict[str, Any]]) -> dict[str, str]:
     made["degrees"] = "\n".join(lines)
     lines = ["| task | slowest mode | a quarter are slower | median | a quarter are faster |", f"|---|{'---:|' * 4}"]
     for task, each in tasks.items():
-        samples = np.quantile(each["mode_memories"], (1, 0.75, 0.5, 0.25))
-        lines.append(f"| {task} | {' | '.join(f'{value:.3g}' for value in samples)} |")
+        if each["winner"] == "waves":
+            samples = np.quantile(each["mode_memories"], (1, 0.75, 0.5, 0.25))
+            lines.append(f"| {task} | {' | '.join(f'{value:.1f}' for value in samples)} |")
     made["modes"] = "\n".join(lines)
     blocks = ["from stickslip import Groups, Scene\nfrom stickslip.tasks import BodyReservoir"]
     for task, each in tasks.items():
