@@ -2,7 +2,8 @@
 
 Run ``python benchmarks/best.py``. It goes on from the searches in ``runs/best``, tests what they found
 on seeds that no search saw, and measures what each task needs of its input's past and what of it each reservoir holds.
-Numbers go into `benchmarks/results/search.json`, tables into `docs/best.md`, the figure into `docs/images`.
+Numbers go into `benchmarks/results/search.json`, tables into `docs/best.md` (which `ruff format` then
+lays out), the figure into `docs/images`.
 """
 
 import argparse
