@@ -1,4 +1,4 @@
-"""The command line: ``stickslip demo``, ``train``, ``evaluate``, ``speed`` and ``bench``."""
+"""The command line: ``stickslip`` with ``demo``, ``train``, ``evaluate``, ``speed``, ``bench`` or ``search``."""
 
 import sys
 

@@ -1,6 +1,7 @@
 """The commands behind ``stickslip``, each a few lines over the package's own functions."""
 
 import json
+import math
 import os
 import sys
 from pathlib import Path
@@ -244,6 +245,73 @@ def bench(
     wide = Measurement.get(console, console.options.update(max_width=1000), table).maximum
     Console(width=max(console.width, wide)).print(table)
     console.print(f"Tables, figures and scores: {output}", highlight=False)
+
+
+@app.command()
+def search(
+    task: Annotated[str, typer.Option(help="A task's name, such as 'NARMA-10 uniform NRMSE'.")],
+    output: Annotated[Path, typer.Option(help="Folder of what is found; an unfinished search there goes on.")] = Path(
+        "runs/search"
+    ),
+    reservoir: Annotated[str, typer.Option(help="body or echo-state.")] = "body",
+    features: Annotated[int, typer.Option(help="Most features that a reservoir may have.")] = 60,
+    fixed: Annotated[str, typer.Option(help="Dimensions not to search, as JSON such as '{\"segments\": 1}'.")] = "{}",
+    evaluations: Annotated[int, typer.Option(help="Reservoirs to score.")] = 300,
+    seconds: Annotated[float, typer.Option(help="Wall time after which no further one is scored.")] = math.inf,
+    length: Annotated[int, typer.Option(help="Samples of a series, in the search and in the test.")] = 3000,
+    tests: Annotated[int, typer.Option(help="Seeds to test on what was found; the search sees none of them.")] = 10,
+    seed: Annotated[int, typer.Option(help="Of the reservoirs that are tried.")] = 0,
+) -> None:
+    """Look for the reservoir that does best at a task, and test it on series it was not chosen by."""
+    from .files import atomically
+    from .tasks import body_space, echo_state_space, held_out_scores, TASKS
+    from .tasks import search as search_space
+    from .validation import known_names
+
+    known_names("--task", [task], TASKS)
+    spaces = {"body": body_space, "echo-state": echo_state_space}
+    known_names("--reservoir", [reservoir], spaces)
+    space = spaces[reservoir](features).where(**_json_object("--fixed", fixed))
+    whole_number("--tests", tests, 2)
+    validation = range(tests, tests + 4)
+    output.mkdir(parents=True, exist_ok=True)
+    bar = _progress_bar()
+    line = bar.add_task(task, total=evaluations)
+
+    def show(done: int, of: int) -> None:
+        bar.start()  # only now: what is refused is refused without a bar above it
+        bar.update(line, completed=done, total=of)
+
+    try:
+        found = search_space(
+            TASKS[task],
+            space,
+            evaluations=evaluations,
+            seconds=seconds,
+            seed=seed,
+            length=length,
+            validation_seeds=validation,
+            file=output / "evaluations.json",
+            on_progress=show,
+        )
+    finally:
+        if bar.live.is_started:
+            bar.stop()
+    scores, test = held_out_scores(
+        TASKS[task], found.reservoir, range(tests), validation_seeds=validation, length=length
+    )
+    result = {
+        "task": task,
+        "values": found.values,
+        "reservoir": repr(found.reservoir),
+        "evaluations": len(found.evaluations),
+        "validation": found.validation,
+        "test": scores,
+    }
+    text = json.dumps(result, indent=1) + "\n"
+    atomically(output / "best.json", lambda path: path.write_text(text, encoding="utf-8"))
+    typer.echo(repr(found.reservoir))
+    typer.echo(f"{task}: {test.mean:.4f}, 95% interval {test.low:.4f} to {test.high:.4f} over {test.runs} test seeds")
 
 
 def _work_precision_table(study: "WorkPrecision") -> Table:

@@ -19,6 +19,8 @@ from .reservoirs import (
     Reservoir,
     RESERVOIRS,
 )
+from .search import Evaluation, Found, held_out_scores, search
+from .space import body_space, Choice, echo_state_space, Range, Space
 from .streams import dithered, innovation, random_bits, random_uniform
 from .task import ACCURACY, CAPACITY, Metric, NRMSE, Problem, SeriesTask, Solution, Task
 from .waveforms import waveforms
@@ -34,21 +36,29 @@ __all__ = [
     "STANDARD_TASKS",
     "TASKS",
     "BodyReservoir",
+    "Choice",
     "DelayLine",
     "EchoState",
+    "Evaluation",
+    "Found",
     "FrictionTask",
     "Metric",
     "Problem",
+    "Range",
     "Reservoir",
     "Score",
     "SeriesTask",
     "Solution",
+    "Space",
     "Summary",
     "Task",
+    "body_space",
     "body_states",
     "crawler_states",
     "dithered",
+    "echo_state_space",
     "encode",
+    "held_out_scores",
     "innovation",
     "known_reservoirs",
     "lorenz",
@@ -61,6 +71,7 @@ __all__ = [
     "random_narma",
     "random_uniform",
     "run_benchmark",
+    "search",
     "sigma_delta",
     "summarize",
     "table",

@@ -222,12 +222,15 @@ class EchoState:
         As in `stickslip.reservoir.EchoStateNetwork`.
     tune : bool
         Whether the two are to be chosen.
+    leak : float, in (0, 1]
+        As in `stickslip.reservoir.EchoStateNetwork`.
     """
 
     features: int
     spectral_radius: float = 0.9
     input_scaling: float = 0.1
     tune: bool = False
+    leak: float = 1.0
 
     def __post_init__(self) -> None:
         self._network(0)
@@ -238,7 +241,7 @@ class EchoState:
         if not self.tune:
             return ()
         return tuple(
-            EchoState(self.features, radius, scaling)
+            replace(self, spectral_radius=radius, input_scaling=scaling, tune=False)
             for radius in (0.6, 0.8, 0.9, 0.99)
             for scaling in (0.05, 0.15, 0.5, 1.5)
         )
@@ -249,7 +252,11 @@ class EchoState:
 
     def _network(self, seed: int) -> EchoStateNetwork:
         return EchoStateNetwork(
-            self.features, spectral_radius=self.spectral_radius, input_scaling=self.input_scaling, seed=seed
+            self.features,
+            spectral_radius=self.spectral_radius,
+            input_scaling=self.input_scaling,
+            leak=self.leak,
+            seed=seed,
         )
 
 

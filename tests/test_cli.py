@@ -218,7 +218,39 @@ def test_a_sweep_is_run_by_two_processes(capsys, tmp_path):
     assert score.value in [each["score"] for each in found["scores"]]
 
 
+def test_a_search_finds_tests_and_goes_on(capsys, tmp_path):
+    folder = str(tmp_path / "search")
+    command = ["search", "--task", "NARMA-2 uniform NRMSE", "--output", folder, "--reservoir", "echo-state"]
+    command += ["--features", "6", "--length", "500", "--tests", "2", "--evaluations"]
+    assert run([*command, "5"]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert printed.startswith("EchoState(features=6, ")
+    assert "over 2 test seeds" in printed
+    assert run([*command, "7"]) == 0
+    found = json.loads((tmp_path / "search" / "best.json").read_text(encoding="utf-8"))
+    assert (found["evaluations"], len(found["test"])) == (7, 2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--task", "NARMA-3"], "error: --task has no 'NARMA-3'"),
+        (["--reservoir", "octopus"], "error: --reservoir has no 'octopus'"),
+        (["--features", "2"], "error: features must be a whole number >= 3, got 2"),
+        (["--fixed", '{"wheels": 4}'], "error: space has no 'wheels'"),
+        (["--fixed", "4"], "error: --fixed must be a JSON object, got '4'"),
+        (["--tests", "1"], "error: --tests must be a whole number >= 2, got 1"),
+        (["--evaluations", "0"], "error: evaluations must be a whole number >= 1, got 0"),
+        (["--seconds", "0"], "error: seconds must be in (0, inf), got 0.0"),
+        (["--length", "100"], "error: length must be more than the 200 samples"),
+    ],
+)
+def test_a_search_is_refused_in_one_line(capsys, tmp_path, arguments, message):
+    command = ["search", "--task", "parity-2 capacity", "--output", str(tmp_path / "search"), *arguments]
+    assert refuse(capsys, *command).startswith(message)
+
+
 def test_the_program_is_installed():
     program = os.path.join(os.path.dirname(sys.executable), "stickslip")
     shown = subprocess.run([program, "--help"], capture_output=True, text=True, check=True)
-    assert {"demo", "train", "evaluate", "speed", "bench"} <= set(shown.stdout.split())
+    assert {"demo", "train", "evaluate", "speed", "bench", "search"} <= set(shown.stdout.split())
