@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
-from ..compilation import compiled
+from ..compilation import allocating
 from ..validation import finite_array, number_within, whole_number
 
 __all__ = ["lorenz", "mackey_glass"]
@@ -137,7 +137,7 @@ def lorenz(
     return motion
 
 
-@compiled
+@allocating
 def _flow(state: NDArray[np.float64], time: float, steps: int) -> None:
     """Carry Lorenz's x, y, z a time on, in place: Taylor coefficients by Cauchy's rule, summed by Horner's."""
     x, y, z = np.empty(_ORDER + 1), np.empty(_ORDER + 1), np.empty(_ORDER + 1)
