@@ -117,7 +117,7 @@ def bytes_each(**arguments: Any) -> float:
         "import resource, sys, gymnasium as gym, numpy as np\n"
         f"env = gym.make_vec({NAME!r}, int(sys.argv[1]), **{arguments!r}); env.reset(seed=0)\n"
         "env.step(np.zeros(int(sys.argv[1]), int))\n"
-        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)"
+        "print(int(open('/proc/self/statm').read().split()[1]) * resource.getpagesize())"
     )
     few, many = 4096, 65536
     sizes = [int(subprocess.check_output([sys.executable, "-c", program, str(n)])) for n in (few, many)]

@@ -15,6 +15,7 @@ from ..crawler import Groups, Scene
 from ..crawler.body import Body, STUCK
 from ..crawler.control import MAX_STEPS
 from ..crawler.lanes import lane_workspace
+from ..crawler.linear import is_linear
 from ..crawler.simulation import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
 from ..crawler.workspace import ROWS, WIDTH
@@ -28,8 +29,9 @@ from .stepping import Stepper, stepper_for
 
 __all__ = ["Fleet"]
 
-# Fewer crawlers than this are stepped before another thread has woken.
+# Fewer crawlers than this are stepped before another thread has woken; an affine map a hold is soon done.
 _LEAST_A_THREAD = 128
+_LEAST_OF_MAPS = 16_384
 _SLOPE = len(Groups.__slots__)
 
 
@@ -85,7 +87,8 @@ class Fleet:
         self._readouts: Readouts | None = None
 
         blocks = self.batch.bodies.shape[1] // LANES
-        parts = max(1, min(threads, count // _LEAST_A_THREAD))
+        maps = settings.scene.anchored and all(is_linear(kind.groups) for kind in kinds) and settings.dither == 0.0
+        parts = max(1, min(threads, count // (_LEAST_OF_MAPS if maps else _LEAST_A_THREAD)))
         ends = [min(count, LANES * (blocks * part // parts)) for part in range(parts + 1)]
         self._slices = [
             _Slice(
