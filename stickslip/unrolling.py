@@ -201,7 +201,7 @@ class Traced:
         return (fraction * fraction.fma(1.0 / 3.0, 2.0 / 3.0) + 1.0) * whole._integer("shl", 52)._number()
 
     def exp(self) -> "Traced":
-        """Exponential within one unit in the last place; that of the nearest of [-708, 709] for numbers beyond.
+        """Exponential within one unit in the last place; that of the nearest of [-708, 709] beyond, of -708 for NaN.
 
         2^k e^r with |r| <= ln(2) / 2 and Taylor's series of e^r - 1 to order 13, which leaves out less than 2^-57.
         """
@@ -237,7 +237,7 @@ def _compiled_where(condition: Any, yes: Any, no: Any) -> Any:
 
 
 def exp(x: Any) -> Any:
-    """Exponential; compiled, within one unit in the last place and the same bits for a number and for lanes."""
+    """Exponential; compiled, it is `Traced.exp`, with the same bits for a number and for lanes."""
     return x.exp() if isinstance(x, Traced) else math.exp(x)
 
 

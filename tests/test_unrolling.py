@@ -2,13 +2,14 @@
 
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
 
-from stickslip.unrolling import fma, sum_of_products, unrolled
+from stickslip.unrolling import exp, fma, sum_of_products, unrolled, unrolled_in_lanes
 
 numbers = st.floats(-1e3, 1e3)
 
@@ -93,3 +94,47 @@ def test_a_vector_reads_rows_and_is_summed():
     quadratic(0.5, rows)
     places = 0.5 * np.arange(1, 5)
     assert rows[1, 0] == (2.0 + 3.0 * places + 5.0 * places**2) @ 10.0 ** np.arange(4)
+
+
+@njit
+def exponential(x):
+    return exp(x)
+
+
+write_exponentials = unrolled_in_lanes(lambda _order, rows: ({1: [exp(rows[0][0])]}, []), 8, 0)
+
+
+@njit
+def exponentials(rows):
+    write_exponentials(1, (), rows)
+
+
+# The last are halfway between two powers of two, where the series is longest.
+@given(
+    x=st.floats(-708.0, 709.0) | st.floats(-1.0, 1.0) | st.integers(-1020, 1021).map(lambda k: (k + 0.5) * np.log(2.0))
+)
+@settings(max_examples=500)
+def test_the_exponential_is_within_one_unit_in_the_last_place(x):
+    with mpmath.workprec(160):
+        exact = mpmath.exp(x)
+        assert abs(exponential(x) - exact) <= np.spacing(float(exact))
+
+
+@pytest.mark.parametrize(
+    ("x", "nearest"), [(709.5, 709.0), (np.inf, 709.0), (-708.5, -708.0), (-np.inf, -708.0), (np.nan, -708.0)]
+)
+def test_the_exponential_beyond_its_range_is_that_of_the_nearest_in_it(x, nearest):
+    assert exponential(x) == exponential(nearest)
+
+
+def test_the_exponential_of_nothing_and_of_next_to_nothing_is_one():
+    for x in (0.0, -0.0, 5e-324, -5e-324, 1e-17):
+        assert exponential(x) == 1.0
+
+
+@given(st.lists(st.floats(-800.0, 800.0), min_size=8, max_size=8))
+def test_lanes_have_the_bits_of_single_exponentials(numbers):
+    rows = np.zeros((2, 1, 8))
+    rows[0, 0] = numbers
+    exponentials(rows)
+    assert rows[1, 0].tolist() == [exponential(x) for x in numbers]
