@@ -12,6 +12,7 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from ..compilation import allocating, compiled, OPTIONS
+from ..lanes import aligned_zeros
 from ..lanes import LANES as BLOCK
 from .advance import end_of_step, is_near, moment_of
 from .body import Body, Ledger, Physics
@@ -47,16 +48,11 @@ __all__ = ["advance_lanes", "lane_workspace", "one_by_one"]
 _BODY = len(Body._fields)
 _PHYSICS = len(Physics._fields)
 _UNFINISHED = -1
-_CACHE_LINE = 64
 
 
 def lane_workspace() -> NDArray[np.float64]:
     """Scratch of one thread, at a cache line's start."""
-    shape = LANE_ROWS, COLUMNS, LANES
-    size = int(np.prod(shape))
-    room = np.zeros(size + _CACHE_LINE // 8)
-    skipped = -room.ctypes.data % _CACHE_LINE // 8
-    return room[skipped : skipped + size].reshape(shape)
+    return aligned_zeros(LANE_ROWS, COLUMNS, LANES)
 
 
 def advance_lanes(

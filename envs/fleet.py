@@ -101,8 +101,9 @@ class Fleet:
         ]
         self._executor: ThreadPoolExecutor | None = None
         self._process = os.getpid()
+        self._names: Sequence[int] | NDArray[np.int64] = range(count)  # in messages
 
-    def begin(self, mask: NDArray[np.bool_], seeds: Sequence[int | None], *, anew: bool) -> None:
+    def begin(self, mask: NDArray[np.bool_], seeds: Sequence[int | None]) -> None:
         """Start the episodes of the crawlers in the mask.
 
         Parameters
@@ -110,8 +111,6 @@ class Fleet:
         mask : (crawlers,) array of bool
         seeds : (crawlers,) sequence
             None goes on with the random numbers as they come.
-        anew : bool
-            Whether this is the start, or one after an error.
 
         Raises
         ------
@@ -122,10 +121,8 @@ class Fleet:
             if seeds[i] is not None or self.generators[i] is None:
                 self.generators[i], self.seeds[i] = seeding.np_random(seeds[i])
                 self.batch.drawn[i] = FLIPS
-        if anew:
-            self.batch.drawn[:] = FLIPS
         if self._readouts is None and self._settings.dither > 0.0:
-            states = _calibration_states(self._kinds)
+            states = _calibration_states(self._kinds, np.unique(self._kind, return_index=True)[1])
             memories = [calibrated_memory(kind, seen) for kind, seen in zip(self._kinds, states, strict=True)]
             self._readouts = readouts_of(memories, self._kind)
         self.begin_again(mask)
@@ -161,7 +158,9 @@ class Fleet:
         for other in others:
             other.result()
         if np.count_nonzero(self.results.statuses):
-            raise self._error(int(np.flatnonzero(self.results.statuses)[0]))
+            failed = np.flatnonzero(self.results.statuses)
+            self.batch.drawn[failed] = FLIPS  # as a single environment, which draws new ones after an error
+            raise self._error(int(failed[0]))
 
     def frame(self, i: int) -> Frame:
         """What a picture of crawler `i` shows."""
@@ -260,16 +259,20 @@ class Fleet:
         status, tolerance, solver = int(self.results.statuses[i]), self._settings.tolerance, str(self._solvers[i])
         groups, scene = self.crawlers[i]
         error = solver_error(status, reached, deformation, MAX_STEPS, groups, scene, tolerance, solver)
-        return SolverError(f"sub-environment {i}: {error}")
+        return SolverError(f"sub-environment {self._names[i]}: {error}")
 
 
-def _calibration_states(kinds: Sequence[Settings]) -> NDArray[np.float64]:
-    """States of the bodies under the calibration's commands, from rest, shape (kinds, holds, features)."""
+def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> NDArray[np.float64]:
+    """States of the bodies under the calibration's commands, from rest, shape (kinds, holds, features).
+
+    An error names a sub-environment of the kind.
+    """
     settings, count = kinds[0], len(kinds)
     fleet = Fleet([replace(kind, randomize={}) for kind in kinds], np.arange(count), 1, 1)
+    fleet._names = names
     # With readouts, though blank, the kernel is the one that is compiled for the episodes.
     fleet._readouts = blank_readouts(count, settings.delays, settings.features + 1, 1.0)
-    fleet.begin(np.ones(count, np.bool_), [0] * count, anew=True)
+    fleet.begin(np.ones(count, np.bool_), [0] * count)
     _, valves = calibration_commands(settings)
     states = np.empty((count, len(valves), settings.features))
     idle = np.zeros(count, np.bool_)

@@ -108,8 +108,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         if render_mode not in (None, "human", "rgb_array"):
             raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
         self.render_mode = render_mode
-        shown = range(self.num_envs) if rendered is None else rendered
-        self._rendered = [whole_number("rendered", i, 0, self.num_envs - 1) for i in shown]
+        self._rendered = _shown(rendered, self.num_envs)
         self._tiles: Tiles | None = None
         self.metadata = {**StickSlipCrawlerEnv.metadata, "autoreset_mode": self._autoreset}
 
@@ -118,9 +117,10 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         self.single_observation_space = self.settings.observation_space()
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
 
-        longest = np.iinfo(np.int64).max if never else whole_number("max_episode_steps", max_episode_steps, 1)
-        available = len(os.sched_getaffinity(0))
-        most = available if threads is None else whole_number("threads", threads, 1)
+        longest = int(np.iinfo(np.int64).max)
+        if not never:
+            longest = min(longest, whole_number("max_episode_steps", max_episode_steps, 1))
+        most = _processors() if threads is None else whole_number("threads", threads, 1)
         self._fleet = Fleet(list(kinds.values()), kind, longest, most)
         self._pending = np.zeros(self.num_envs, np.bool_)
         self._terminations = np.zeros(self.num_envs, np.bool_)
@@ -159,7 +159,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         seeds = self._seeds_of(seed)
         if not self._running and not mask.all():
             raise ResetNeeded("the first reset must be of all sub-environments, got a reset_mask of some")
-        self._fleet.begin(mask, seeds, anew=not self._running)
+        self._fleet.begin(mask, seeds)
         self._running = True
         self._pending = self._pending & ~mask
         if self.render_mode == "human":
@@ -211,6 +211,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         self._running = True
 
         results = self._fleet.results
+        self._terminations[:] = False  # without copies the caller has written to it perhaps
         ended = results.truncations.copy()
         of_step = {name: getattr(results, name) for name in _INFOS}
         if self._autoreset is AutoresetMode.SAME_STEP and np.count_nonzero(ended) > 0:
@@ -245,7 +246,10 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         ------
         gymnasium.error.ResetNeeded
             If called before `reset`.
+        gymnasium.error.ClosedEnvironmentError
+            If called after `close`.
         """
+        self._refuse_closed()
         if self.render_mode is None:
             gym.logger.warn(
                 "render was called without a render_mode; "
@@ -307,7 +311,10 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
             raise ClosedEnvironmentError("the vector environment is closed; make a new one")
 
     def _commands(self, actions: ArrayLike) -> NDArray[np.int64]:
-        commands = np.asarray(actions)
+        try:
+            commands = np.asarray(actions)
+        except ValueError:  # rows of different lengths
+            raise ValueError(f"actions must have shape ({self.num_envs},), got {actions!r}") from None
         if commands.shape != (self.num_envs,):
             raise ValueError(f"actions must have shape ({self.num_envs},), got {commands.shape}")
         if commands.dtype.kind not in "biu":
@@ -319,6 +326,8 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         return commands.astype(np.int64)
 
     def _reset_mask(self, options: dict[str, Any] | None) -> NDArray[np.bool_]:
+        if options is not None and not isinstance(options, Mapping):
+            raise TypeError(f"options must be a dict or None, got {options!r}")
         mask = None if options is None else options.get("reset_mask")
         if mask is None:
             return np.ones(self.num_envs, np.bool_)
@@ -349,6 +358,23 @@ def _each(choice: Any, count: int) -> list[Groups]:
             raise ValueError(f"groups must be one choice or num_envs = {count} of them, got {len(choice)}")
         return [Groups.of(one) for one in choice]
     return [Groups.of(choice)] * count
+
+
+def _shown(rendered: Any, count: int) -> list[int]:
+    """Sub-environments to draw."""
+    if rendered is None:
+        return list(range(count))
+    if not isinstance(rendered, Sequence | np.ndarray):
+        raise TypeError(f"rendered must be a sequence of sub-environments, got {rendered!r}")
+    if len(rendered) == 0:
+        raise ValueError(f"rendered must name one sub-environment at least, got {rendered!r}")
+    return [whole_number("rendered", i, 0, count - 1) for i in rendered]
+
+
+def _processors() -> int:
+    """Processors that this process may run on; all, where the system does not tell."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return (os.cpu_count() or 1) if affinity is None else len(affinity(0))
 
 
 def _autoreset_mode(mode: str | AutoresetMode) -> AutoresetMode:

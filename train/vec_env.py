@@ -57,6 +57,8 @@ class StickSlipVecEnv(VecEnv):
         for name in ("autoreset_mode", "copy"):
             if name in arguments:
                 raise ValueError(f"{name} must not be set: SB3 resets in the same step and keeps what it is given")
+        if "vectorization_mode" in arguments:
+            raise ValueError("vectorization_mode must not be set: the batch is one environment")
         if not isinstance(sparse_infos, bool):
             raise TypeError(f"sparse_infos must be True or False, got {sparse_infos!r}")
         made = gym.make_vec(_NAME, num_envs, autoreset_mode=AutoresetMode.SAME_STEP, **arguments)

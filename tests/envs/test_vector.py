@@ -173,6 +173,15 @@ def test_what_the_caller_does_to_the_arrays_does_not_matter():
             assert_same(*(each.reset(options={"reset_mask": mask.copy()}) for each in (batch, twin)))
 
 
+def test_without_copies_a_caller_who_adds_up_the_ends_in_place_ends_nothing():
+    batch = make_vec(2, copy=False)
+    batch.reset(seed=0)
+    for _ in range(2):
+        terminations = batch.step([1, 1])[2]
+        assert not terminations.any()
+        terminations |= True
+
+
 @pytest.mark.parametrize("twin_of", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
 def test_copies_go_on_alike(twin_of):
     batch = make_vec(300, threads=2)
@@ -186,7 +195,7 @@ def test_copies_go_on_alike(twin_of):
 
 
 def test_an_episode_without_end():
-    for never in (None, -1):
+    for never in (None, -1, 2**70):
         batch = make_vec(2, max_episode_steps=never)
         batch.reset(seed=0)
         assert not any(batch.step(np.ones(2, int))[3].any() for _ in range(1500))
@@ -229,6 +238,8 @@ def test_the_wrappers_of_gymnasium_work_over_it(wrap):
         ({"autoreset_mode": "never"}, ValueError, "autoreset_mode must be one of *'NextStep'*, got 'never'"),
         ({"copy": 1}, TypeError, "copy must be True or False, got 1"),
         ({"threads": 0}, ValueError, "threads must be a whole number >= 1, got 0"),
+        ({"rendered": 0}, TypeError, "rendered must be a sequence of sub-environments, got 0"),
+        ({"rendered": []}, ValueError, "rendered must name one sub-environment at least, got []"),
     ],
     ids=str,
 )
@@ -245,6 +256,7 @@ def test_arguments_that_are_refused(arguments, error, message):
         (np.ones(2, int), ValueError, "actions must have shape (3,), got (2,)"),
         (np.ones((3, 1), int), ValueError, "actions must have shape (3,), got (3, 1)"),
         (1, ValueError, "actions must have shape (3,), got ()"),
+        ([[0], [0, 1], 1], ValueError, "actions must have shape (3,), got [[0], [0, 1], 1]"),
         (np.ones(3), TypeError, "actions must be whole numbers, got an array of float64"),
         (["1", "0", "1"], TypeError, "actions must be whole numbers, got an array of <U1"),
         ([0, 1, 2], ValueError, "actions must be 0 or 1, got 2 for sub-environment 2"),
@@ -291,6 +303,11 @@ def test_masks_that_are_refused_reset_nothing(mask, error, message):
     assert_same(batch.step([1, 1, 0]), twin.step([1, 1, 0]))
 
 
+def test_options_that_are_no_mapping_are_refused():
+    with pytest.raises(TypeError, match=re.escape("options must be a dict or None, got [True]")):
+        make_vec(1).reset(options=[True])
+
+
 @pytest.mark.parametrize("seed", [-1, 1.5, [1, 2], [1, 2, -3], True], ids=str)
 def test_seeds_that_are_refused_reset_nothing(seed):
     batch, twin = make_vec(3), make_vec(3)
@@ -324,12 +341,12 @@ def test_an_episode_that_is_over_is_not_stepped_on():
 
 
 def test_a_closed_environment_is_not_stepped():
-    batch = make_vec(200, threads=2)
+    batch = make_vec(200, threads=2, render_mode="rgb_array")
     batch.reset(seed=0)
     batch.step(np.ones(200, int))
     batch.close()
     batch.close()
-    for call in (lambda: batch.step(np.ones(200, int)), batch.reset):
+    for call in (lambda: batch.step(np.ones(200, int)), batch.reset, batch.render):
         with pytest.raises(ClosedEnvironmentError, match="closed"):
             call()
 
@@ -350,3 +367,47 @@ def test_a_diverged_motion_names_its_sub_environment_and_needs_a_reset():
         batch.step([1, 1, 1])
     batch.reset()
     assert (batch.step([1, 1, 1])[0][:, 2] > 0).all()
+
+
+def test_after_a_diverged_motion_the_others_go_on_with_their_random_numbers():
+    arguments = {
+        "groups": {"radial_coupling": 0.0, "duffing": 0.0},
+        "randomize": {"radial_coupling": [0.0, 3.0]},
+        "dither": 0.3,
+    }
+    batch, singles = make_vec(4, **arguments), [gym.make(NAME, **arguments).unwrapped for _ in range(4)]
+    batch.reset(seed=0)
+    for i, single in enumerate(singles):
+        single.reset(seed=i)
+    failed, actions = set(), np.ones(4, int)
+    while not failed:
+        for i, single in enumerate(singles):
+            try:
+                single.step(1)
+            except SolverError:
+                failed.add(i)
+        if failed:
+            with pytest.raises(SolverError, match=f"sub-environment {min(failed)}: "):
+                batch.step(actions)
+        else:
+            batch.step(actions)
+    assert len(failed) < 4
+    _, infos = batch.reset()
+    expected = [single.reset()[1]["groups"]["radial_coupling"] for single in singles]
+    assert infos["groups"]["radial_coupling"].tolist() == expected
+    for _ in range(5):
+        assert batch.step(actions)[4]["valve"].tolist() == [single.step(1)[4]["valve"] for single in singles]
+
+
+def test_a_calibration_that_diverges_names_the_first_sub_environment_of_its_kind():
+    groups = [None, None, None, {"radial_coupling": 3.0, "duffing": 0.0}]
+    with pytest.raises(SolverError, match="sub-environment 3: the motion diverged"):
+        make_vec(4, groups=groups).reset(seed=0)
+
+
+def test_where_the_system_tells_no_affinity_all_processors_count(monkeypatch):
+    monkeypatch.delattr("os.sched_getaffinity", raising=False)
+    monkeypatch.setattr("os.cpu_count", lambda: None)
+    batch = make_vec(2, **SPEED_ONLY)
+    batch.reset(seed=0)
+    assert batch.step([1, 1])[0].shape == (2, 5)

@@ -344,6 +344,7 @@ def test_what_is_learned_is_what_is_learned_over_a_dummy(wrap):
         ({"num_envs": 0}, ValueError, "num_envs must be a whole number >= 1, got 0"),
         ({"autoreset_mode": "NextStep"}, ValueError, "autoreset_mode must not be set"),
         ({"copy": False}, ValueError, "copy must not be set"),
+        ({"vectorization_mode": "sync"}, ValueError, "vectorization_mode must not be set"),
         ({"sparse_infos": 1}, TypeError, "sparse_infos must be True or False, got 1"),
         ({"hold": -1}, ValueError, r"hold must be in \(0, 10000\], got -1"),
         ({"wheels": 4}, TypeError, "wheels"),
