@@ -60,12 +60,18 @@ class StandIn(gym.Env[NDArray[np.float32], np.int64]):
     @property
     def episode_groups(self) -> Groups:
         """Groups of the episode."""
-        return Groups(**self._batch.reset_infos[self._index]["groups"])
+        return Groups(**self._told("groups"))
 
     @property
     def episode_scene(self) -> Scene:
         """Scene of the episode."""
-        return replace(self._settings.scene, slope=self._batch.reset_infos[self._index]["slope"])
+        return replace(self._settings.scene, slope=self._told("slope"))
+
+    def _told(self, name: str) -> Any:
+        told = self._batch.reset_infos[self._index]
+        if name not in told:
+            raise AttributeError(f"no episode has begun, and its {name} not been settled; call reset first")
+        return told[name]
 
     @property
     def render_mode(self) -> str | None:  # type: ignore[override]
@@ -74,8 +80,8 @@ class StandIn(gym.Env[NDArray[np.float32], np.int64]):
 
     @property
     def spec(self) -> EnvSpec | None:  # type: ignore[override]
-        """What the batch was made from."""
-        return self._batch.env.spec
+        """What the batch was made from, with its time limit."""
+        return self._batch.spec
 
     @property
     def observation_space(self) -> gym.spaces.Space[NDArray[np.float32]]:  # type: ignore[override]

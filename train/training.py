@@ -192,8 +192,9 @@ class _Keeper(BaseCallback):
         self._best = -np.inf
         self._rows: list[tuple[int, float]] = []
         self._next = 0
-        # Without flips one episode says all; with them it takes several.
-        episodes = 8 if run.configuration.env_kwargs.get("dither", None) != 0.0 else 1
+        # Without flips and draws one episode says all; with them it takes several.
+        arguments = run.configuration.env_kwargs
+        episodes = 1 if arguments.get("dither") == 0.0 and not arguments.get("randomize") else 8
         self._environments = make(episodes, _EVALUATION_SEED)
         self._table = run.folder / "evaluations.csv"
 

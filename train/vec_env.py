@@ -7,6 +7,7 @@ from typing import Any, cast
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
@@ -71,7 +72,9 @@ class StickSlipVecEnv(VecEnv):
         self.num_envs = self.env.num_envs  # `get_attr`, which the parent calls, counts by it
         super().__init__(self.env.num_envs, self.env.single_observation_space, self.env.single_action_space)
         self.metadata = StickSlipCrawlerEnv.metadata
-        self.spec = self.env.spec
+        made_from = cast(EnvSpec, made.spec)
+        limit = arguments.get("max_episode_steps", made_from.max_episode_steps)
+        self.spec = replace(made_from, max_episode_steps=limit)
 
     def reset(self) -> NDArray[np.float32]:
         """Put all crawlers at rest, with the seeds of the last call of `seed` if there was one since.

@@ -55,6 +55,21 @@ def test_a_run_keeps_its_configuration_checkpoints_evaluations_and_logs(short_ru
     assert rows[-1].startswith("512,")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "episodes"), [({}, 1), ({"randomize": {"slope": [0.0, 0.1]}}, 8), ({"dither": 0.1}, 8)], ids=str
+)
+def test_an_evaluation_has_one_episode_only_where_all_are_alike(arguments, episodes, tmp_path):
+    counts = []
+
+    def counted(count, **env_kwargs):
+        counts.append(count)
+        return StickSlipVecEnv(count, **env_kwargs)
+
+    asked = configuration(8, n_envs=2, n_steps=4, batch_size=8)
+    train(replace(asked, env_kwargs=SPEED | arguments), tmp_path / "run", vec_env=counted)
+    assert counts == [2, episodes]
+
+
 def test_torch_and_blas_leave_the_cores_to_the_batch_and_get_them_back(tmp_path):
     before = torch.get_num_threads()
     torch.set_num_threads(2)

@@ -392,3 +392,21 @@ def test_a_step_that_was_begun_is_dropped_by_a_reset():
 def test_importing_the_package_does_not_import_torch():
     code = "import sys, stickslip, stickslip.train, stickslip.train.schedules; print('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "False\n"
+
+
+def test_groups_of_an_episode_that_has_not_begun_are_no_attribute():
+    native = StickSlipVecEnv(2)
+    for name in ("episode_groups", "episode_scene"):
+        assert not native.has_attr(name)
+        with pytest.raises(AttributeError, match="reset"):
+            native.get_attr(name)
+    native.reset()
+    assert native.has_attr("episode_groups")
+    assert native.has_attr("episode_scene")
+
+
+@pytest.mark.parametrize(("arguments", "steps"), [({}, 1000), ({"max_episode_steps": 7}, 7)], ids=str)
+def test_the_time_limit_is_told_by_the_spec(arguments, steps):
+    native = StickSlipVecEnv(2, **arguments)
+    assert native.spec.max_episode_steps == steps
+    assert [spec.max_episode_steps for spec in native.get_attr("spec")] == [steps, steps]
