@@ -7,14 +7,14 @@ from concurrent.futures import as_completed, ProcessPoolExecutor
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from threadpoolctl import threadpool_limits
 
 from .crawler.plotting import save_figure
 from .files import atomically
 from .reservoir import Estimate
-from .tasks import known_reservoirs, Reservoir, SeriesTask, STANDARD_TASKS, Task, TASKS
+from .tasks import BodyReservoir, known_reservoirs, Reservoir, SeriesTask, STANDARD_TASKS, Task, TASKS
 from .tasks.benchmark import attempts, chosen
 from .tasks.benchmark_figures import plot_information, plot_predictions, plot_profiles, plot_scores, plot_sweep
 from .tasks.measures import MEASURES
@@ -123,7 +123,8 @@ class Bench:
         else:
             name, values = parse_sweep(sweep)
             self._swept = name, list(values)
-            self._reservoirs = {f"{name} = {value:.12g}": with_value(known["crawler"], name, value) for value in values}
+            crawler = cast(BodyReservoir, known["crawler"])
+            self._reservoirs = {f"{name} = {value:.12g}": with_value(crawler, name, value) for value in values}
         self._settings = {
             "features": features,
             "length": length,

@@ -318,7 +318,8 @@ def _band(of_seeds: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     if len(of_seeds) == 1:
         return of_seeds[0], of_seeds[0], of_seeds[0]
     each = [mean_over_runs(values) for values in of_seeds.T]
-    return tuple(np.array([getattr(one, end) for one in each]) for end in ("mean", "low", "high"))
+    mean, low, high = (np.array([getattr(one, end) for one in each]) for end in ("mean", "low", "high"))
+    return mean, low, high
 
 
 def _arrow(task: Task) -> str:
