@@ -84,10 +84,17 @@ def tile(pictures: Sequence[NDArray[np.uint8]], names: Sequence[object] = ()) ->
     Raises
     ------
     ValueError
-        If there is no picture, or not a name for each.
+        If there is no picture, if they are not such arrays of one size, or if there is not a name for each.
     """
     if len(pictures) == 0:
         raise ValueError("pictures must hold one at least, got none")
+    shape = np.shape(pictures[0])
+    for picture in map(np.asarray, pictures):
+        if picture.dtype != np.uint8 or picture.shape != (*shape[:2], 3):
+            raise ValueError(
+                "pictures must be (height, width, 3) arrays of uint8 of one size, "
+                f"got {picture.shape} of {picture.dtype} where the first is {shape}"
+            )
     if len(names) not in (0, len(pictures)):
         raise ValueError(f"names must be {len(pictures)}, one for each picture, got {len(names)}")
     whole = import_pygame().surfarray.array3d(_tiled(pictures, names))

@@ -6,6 +6,8 @@ from contextlib import contextmanager
 import torch
 from threadpoolctl import threadpool_limits
 
+from ..validation import whole_number
+
 __all__ = ["library_threads"]
 
 
@@ -19,7 +21,13 @@ def library_threads(count: int) -> Iterator[None]:
     Parameters
     ----------
     count : int, >= 1
+
+    Raises
+    ------
+    ValueError, TypeError
+        If `count` is not such a number.
     """
+    count = whole_number("count", count, 1)
     before = torch.get_num_threads()
     torch.set_num_threads(count)
     try:

@@ -100,3 +100,13 @@ def test_gymnasium_films_it(tmp_path):
 def test_what_is_refused(call, error, message):
     with pytest.raises(error, match=re.escape(message)):
         call()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [np.zeros((20, 10, 3), np.uint8), np.zeros((10, 10), np.uint8), np.zeros((10, 10, 3))],
+    ids=["size", "grey", "float"],
+)
+def test_what_is_no_picture_like_the_first_is_refused(wrong):
+    with pytest.raises(ValueError, match=r"pictures must be \(height, width, 3\) arrays of uint8 of one size, got"):
+        tile([np.zeros((10, 10, 3), np.uint8), wrong])

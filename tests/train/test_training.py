@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_info
 
 from stickslip.crawler import SolverError
 from stickslip.envs import StickSlipCrawlerEnv
-from stickslip.train import StickSlipVecEnv
+from stickslip.train import library_threads, StickSlipVecEnv
 from stickslip.train.evaluation import measure, roll_out
 from stickslip.train.hyperparameters import read_hyperparameters
 from stickslip.train.report import evaluate_run
@@ -299,3 +299,11 @@ def test_the_shipped_hyperparameters_crawl_near_the_optimum(tmp_path, seed):
     assert speed >= 0.95 * BEST_OPEN_LOOP
     # The promise of the command, with the seconds it took in the message should it be broken.
     assert elapsed <= 90.0, f"seed {seed} took {elapsed:.0f} s"
+
+
+@pytest.mark.parametrize("count", [0, 1.5])
+def test_threads_that_are_no_number_of_them_are_refused(count):
+    before = torch.get_num_threads()
+    with pytest.raises((ValueError, TypeError), match="count must be a whole number >= 1"), library_threads(count):
+        pass
+    assert torch.get_num_threads() == before
