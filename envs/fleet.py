@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -154,7 +154,11 @@ class Fleet:
         self._draw_flips(idle)
         first, *rest = self._slices
         others = [self._threads().submit(self._step_slice, commands, idle, each) for each in rest]
-        self._step_slice(commands, idle, first)
+        try:
+            self._step_slice(commands, idle, first)
+        finally:
+            if others:
+                wait(others)  # however this ends, nobody steps any more when it has
         for other in others:
             other.result()
         if np.count_nonzero(self.results.statuses):
