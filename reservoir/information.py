@@ -7,8 +7,8 @@ from itertools import chain, islice
 from typing import Literal, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import qr
 
 from ..validation import finite_array, known_names, number_within, whole_number
 from .orthonormal import orthonormal_basis
@@ -309,7 +309,7 @@ def _capacity_in_turn(q: Array, rows: Array) -> Array:
         return np.zeros(len(rows))
     moved = (rows - rows.mean(axis=1, keepdims=True)).T
     norms = np.linalg.norm(moved, axis=0)
-    turned, triangle = qr(moved, mode="economic", check_finite=False)
+    turned, triangle = scipy.linalg.qr(moved, mode="economic", check_finite=False)
     projected = q.T @ turned
     capacity = np.zeros(len(rows))
     new = np.abs(triangle.diagonal()) > _NEW * norms[: len(triangle)]

@@ -15,9 +15,8 @@ References
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import qr
-from scipy.linalg.lapack import dgeqrf, dpotrf, dtrtri
 
 from ..validation import finite_array
 
@@ -67,10 +66,10 @@ def whitening(gram: Array) -> Whitening | None:
     scale = np.sqrt(np.maximum(gram.diagonal(), 0))
     if not scale.all():
         return None
-    factor, failed = dpotrf(gram / np.outer(scale, scale))
+    factor, failed = scipy.linalg.lapack.dpotrf(gram / np.outer(scale, scale))
     if failed:
         return None
-    inverse = dtrtri(factor)[0]
+    inverse = scipy.linalg.lapack.dtrtri(factor)[0]
     # Rounding of the Gram matrix, stretched by the map from both sides.
     departure = np.finfo(np.float64).eps * len(gram) * float(np.linalg.norm(inverse)) ** 2
     return Whitening(inverse / scale[:, None], departure)
@@ -116,7 +115,7 @@ def repair(gram: Array) -> Array | None:
     # Not "above", which would let a NaN pass.
     if not np.linalg.norm(gram - np.eye(len(gram))) < _NEARLY_ORTHONORMAL:
         return None
-    triangle: Array = dpotrf(gram)[0]
+    triangle: Array = scipy.linalg.lapack.dpotrf(gram)[0]
     return triangle
 
 
@@ -174,8 +173,8 @@ def orthonormal_basis(states: Array) -> Array:
     found = repaired(x, white)
     if white is not None and found is not None and surely_full_rank(white, norms):
         columns, triangle = found
-        return _without_mean(columns @ dtrtri(triangle)[0])
-    q, triangle = qr(x / norms, mode="economic", check_finite=False)
+        return _without_mean(columns @ scipy.linalg.lapack.dtrtri(triangle)[0])
+    q, triangle = scipy.linalg.qr(x / norms, mode="economic", check_finite=False)
     left, singular, _ = np.linalg.svd(triangle, full_matrices=False)
     return _without_mean(q @ left[:, singular > _tolerance(singular)])
 
@@ -207,7 +206,7 @@ def rank_of(states: Array) -> int:
     """`state_rank` without the checks."""
     scaled = centre(states).states / column_norms(states)
     # LAPACK itself, for `qr` would copy the whole of the states twice.
-    triangle = np.triu(dgeqrf(np.asfortranarray(scaled), overwrite_a=True)[0][: scaled.shape[1]])
+    triangle = np.triu(scipy.linalg.lapack.dgeqrf(np.asfortranarray(scaled), overwrite_a=True)[0][: scaled.shape[1]])
     singular = np.linalg.svd(triangle, compute_uv=False)
     return int((singular > _tolerance(singular)).sum())
 

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import qr, solve_triangular
 
 from ..validation import finite_array, number_within
 from .orthonormal import Array, centre, repaired, whitening
@@ -131,9 +131,13 @@ def whitened_weights(to_white: Array, triangle: Array, projected: Array, ridge: 
     -------
     ndarray of shape (features, outputs)
     """
-    stacked, factor = qr(np.vstack([triangle, math.sqrt(ridge) * to_white]), mode="economic", check_finite=False)
-    target = solve_triangular(triangle, projected, trans="T", check_finite=False)
-    weights: Array = to_white @ solve_triangular(factor, stacked[: len(factor)].T @ target, check_finite=False)
+    stacked, factor = scipy.linalg.qr(
+        np.vstack([triangle, math.sqrt(ridge) * to_white]), mode="economic", check_finite=False
+    )
+    target = scipy.linalg.solve_triangular(triangle, projected, trans="T", check_finite=False)
+    weights: Array = to_white @ scipy.linalg.solve_triangular(
+        factor, stacked[: len(factor)].T @ target, check_finite=False
+    )
     return weights
 
 
@@ -150,7 +154,7 @@ def singular_vectors(x: Array) -> tuple[Array, Array, Array]:
     singular : ndarray of shape (rank,)
     right : ndarray of shape (rank, features)
     """
-    q, triangle = qr(x, mode="economic", check_finite=False)
+    q, triangle = scipy.linalg.qr(x, mode="economic", check_finite=False)
     left, singular, right = np.linalg.svd(triangle, full_matrices=False)
     kept = singular > np.finfo(np.float64).eps * max(triangle.shape) * singular[0]
     return q @ left[:, kept], singular[kept], right[kept]
