@@ -20,9 +20,10 @@ from stickslip.crawler import Groups, Scene
 from stickslip.crawler.body import Body, physics, STUCK
 from stickslip.crawler.control import Taylor12
 from stickslip.crawler.driving import drive
-from stickslip.crawler.lane_steps import LANES, sample_lanes, step_lanes
+from stickslip.crawler.lane_steps import sample_lanes, step_lanes
 from stickslip.crawler.lanes import advance_lanes, lane_workspace, one_by_one
 from stickslip.crawler.solvers import SOLVERS
+from stickslip.lanes import LANES
 from stickslip.unrolling import unrolled_in_lanes
 
 HOLD, TOLERANCE, SAMPLES = 0.5, 1e-6, 4

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled
-from .advance import FARTHEST, record, sampled_by
+from .advance import end_of_step, is_near, moment_of, record, sampled_by
 from .body import Body, Ledger, STUCK
 from .chain import (
     Chain,
@@ -148,11 +148,9 @@ def _advance_chain(
         length = _trusted_length(body, chain, valve, control, min(length, close - elapsed), series)
         length, motion = _next_event(body, chain, valve, control.order, length, series)
 
-        # The last step ends on the stretch's own end, so that no sample is lost to the rounding of a sum.
-        last = motion == body.motion and length >= close - elapsed
-        reached = close if last else elapsed + length
+        reached, last = end_of_step(body, close, elapsed, length, motion)
         while done < count:
-            moment = hold * ((done + 1) / count)
+            moment = moment_of(done, count, hold)
             if moment > reached:
                 break
             pressure = pressure_after(opening, chain.physics, valve, moment - begin)
@@ -165,7 +163,7 @@ def _advance_chain(
 
         pressure = pressure_after(opening, chain.physics, valve, reached - begin)
         following = _state_at(body, pressure, control.order, length, series)
-        if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
+        if not is_near(following):
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
         for j in range(segments):
             stretches[0, j] = series.ahead[0, j]

@@ -6,6 +6,7 @@ the single crawler's to the last bit.
 
 from typing import Any
 
+from ..lanes import LANES
 from ..unrolling import unrolled_in_lanes, where
 from .advance import is_near, moment_of
 from .body import Body, Physics
@@ -23,7 +24,6 @@ __all__ = [
     "ELAPSED",
     "END",
     "HOLD",
-    "LANES",
     "LANE_ROWS",
     "MOTION",
     "OPENING",
@@ -38,7 +38,6 @@ __all__ = [
     "step_lanes",
 ]
 
-LANES = 8
 COLUMNS = WIDTH
 # Rows of the lanes' array after Z, V, (P) and FORCE.
 STATE, HOLD, PHYSICS, SAMPLING, SAMPLE, END = range(STEP + 1, STEP + 7)

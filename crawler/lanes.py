@@ -12,8 +12,7 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from ..compilation import allocating, compiled, OPTIONS
-from ..lanes import aligned_zeros
-from ..lanes import LANES as BLOCK
+from ..lanes import aligned_zeros, LANES
 from .advance import end_of_step, is_near, moment_of
 from .body import Body, Ledger, Physics
 from .control import ClosedForm, Control, DIVERGED, FINISHED, is_taylor, method_of, OUT_OF_STEPS
@@ -28,7 +27,6 @@ from .lane_steps import (
     END,
     HOLD,
     LANE_ROWS,
-    LANES,
     OPENING,
     PHYSICS,
     REACHED,
@@ -138,12 +136,12 @@ def _in_closed_form(
 ) -> None:
     alike = len(workspace) == 1
     physics = physics_of(coefficients, begin)
-    opened = np.empty(BLOCK)
+    opened = np.empty(LANES)
     first = begin
     while first < end:
-        last = min(first + BLOCK, end)
-        if alike and physics.anchored and last == first + BLOCK and not skip[first:last].any():
-            for lane in range(BLOCK):
+        last = min(first + LANES, end)
+        if alike and physics.anchored and last == first + LANES and not skip[first:last].any():
+            for lane in range(LANES):
                 opened[lane] = valves[first + lane]
             advance_anchored_lanes(first, physics, bodies, opened, hold, samples, workspace[0], statuses, elapsed)
         else:
@@ -194,7 +192,7 @@ def one_by_one(
             control,
             0.0,
             own,
-            np.empty((0, 2)),
+            own[:0],  # no events are kept
             workspace[i if len(workspace) > 1 else 0],
         )
         write_body(outcome.body, bodies, i)
@@ -262,9 +260,7 @@ def _in_lanes(
     count = samples.shape[1]
     series = np.empty((ROWS, WIDTH))
     steps = np.zeros(LANES, np.int64)
-    queue = begin
-    while queue < end and skip[queue]:
-        queue += 1
+    queue = _next(begin, end, skip)
     if queue == end:
         return
     active = 0
@@ -273,9 +269,7 @@ def _in_lanes(
         _load(queue if queue < end else begin, bodies, coefficients, valves, lanes, lane)
         if queue < end:
             active |= 1 << lane
-            queue += 1
-            while queue < end and skip[queue]:
-                queue += 1
+            queue = _next(queue + 1, end, skip)
 
     while active:
         calm, last, due, sure = step_lanes(control.method, (control.tolerance, hold, float(count)), lanes)
@@ -311,11 +305,17 @@ def _in_lanes(
             if queue < end:
                 _load(queue, bodies, coefficients, valves, lanes, lane)
                 steps[lane] = 0
-                queue += 1
-                while queue < end and skip[queue]:
-                    queue += 1
+                queue = _next(queue + 1, end, skip)
             else:
                 active &= ~(1 << lane)
+
+
+@compiled
+def _next(i: int, end: int, skip: NDArray[np.bool_]) -> int:
+    """The first crawler from `i` on that is not left as it is; `end` if there is none."""
+    while i < end and skip[i]:
+        i += 1
+    return i
 
 
 @compiled

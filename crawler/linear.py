@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import allocating, compiled
-from .advance import FARTHEST, record, sampled_by
+from .advance import is_near, moment_of, record, sampled_by
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
 from .closed_form import Propagator, propagator, Rates, rates_of, tabulated
 from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome, Taylor20
@@ -103,7 +103,7 @@ def advance_linear(
         reached = close if last else elapsed + moment
         following = body
         while done < count:
-            instant = hold * ((done + 1) / count)
+            instant = moment_of(done, count, hold)
             if instant > reached:
                 break
             since = min(instant - elapsed, moment)
@@ -119,7 +119,7 @@ def advance_linear(
         if not (last and ends_sampled):
             over = whole if last else propagator(rates, moment)
             following = _carried(body, deviating, physics, valve, over, moment)
-        if not abs(following.deformation) + abs(following.velocity) + abs(following.foot_velocity) < FARTHEST:
+        if not is_near(following):
             return Outcome(DIVERGED, elapsed, spent, logged, body, ledger)
         if control.energy:
             ended = deviation(following, physics, valve, rates)

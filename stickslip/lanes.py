@@ -13,12 +13,13 @@ from numba import types
 from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
 from numpy.typing import NDArray
 
+from .unrolling import repeated
+
 __all__ = ["LANES", "aligned_zeros", "clipped", "faded", "load", "spread", "store"]
 
 LANES = 8
 _instruction: Any = intrinsic  # compiled code calls what it makes with one argument less
-_NUMBER = ir.DoubleType()
-_VECTOR = ir.VectorType(_NUMBER, LANES)
+_VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _BYTES = 8 * LANES
 
 
@@ -70,13 +71,6 @@ def _place(context: Any, builder: Any, kind: Any, array: Any, offset: Any) -> An
     return builder.bitcast(builder.gep(data, [offset]), _VECTOR.as_pointer())
 
 
-def _repeated(builder: Any, number: Any) -> Any:
-    index = ir.IntType(32)
-    first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), number, ir.Constant(index, 0))
-    order = ir.Constant(ir.VectorType(index, LANES), [0] * LANES)
-    return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), order)
-
-
 @_instruction
 def load(_typing: Any, array: Any, offset: Any) -> Any:
     """Eight neighbours of a C-contiguous array of float64, from an offset counted in elements over all axes."""
@@ -110,7 +104,7 @@ def spread(_typing: Any, number: Any) -> Any:
     """One number in every lane."""
 
     def codegen(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        return _repeated(builder, arguments[0])
+        return repeated(builder, arguments[0], LANES)
 
     return lanes(types.float64), codegen
 
@@ -136,8 +130,8 @@ def faded(_typing: Any, vector: Any, faintest: Any) -> Any:
     def codegen(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         vector, faintest = arguments
         kept = builder.or_(
-            builder.fcmp_ordered(">", vector, _repeated(builder, faintest)),
-            builder.fcmp_ordered("<", vector, _repeated(builder, builder.fsub(ir.Constant(_NUMBER, -0.0), faintest))),
+            builder.fcmp_ordered(">", vector, repeated(builder, faintest, LANES)),
+            builder.fcmp_ordered("<", vector, repeated(builder, builder.fneg(faintest), LANES)),
         )
         return builder.select(kept, vector, ir.Constant(_VECTOR, [0.0] * LANES))
 

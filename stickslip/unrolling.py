@@ -15,7 +15,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
-__all__ = ["exp", "fma", "sum_of_products", "unrolled", "unrolled_in_lanes", "where"]
+__all__ = ["exp", "fma", "repeated", "sum_of_products", "unrolled", "unrolled_in_lanes", "where"]
 
 _DOUBLE = ir.DoubleType()
 _INTEGER = ir.IntType(64)
@@ -57,13 +57,7 @@ class Traced:
             return ir.Constant(
                 kind, float(value) if repeats is None else [ir.Constant(_DOUBLE, float(value))] * repeats
             )
-        return value if value.type == kind else self._repeated(value, kind.count)
-
-    def _repeated(self, scalar: ir.Value, count: int) -> ir.Value:
-        kind = ir.VectorType(_DOUBLE, count)
-        first = self.builder.insert_element(ir.Constant(kind, ir.Undefined), scalar, ir.Constant(_LANE, 0))
-        lanes = ir.Constant(ir.VectorType(_LANE, count), [0] * count)
-        return self.builder.shuffle_vector(first, ir.Constant(kind, ir.Undefined), lanes)
+        return value if value.type == kind else repeated(self.builder, value, kind.count)
 
     def _shaped(self, kind: ir.Type) -> ir.Type:
         """That type, or a vector of it where this is a vector."""
@@ -84,7 +78,7 @@ class Traced:
 
     def times_each(self, factors: Sequence[float]) -> "Traced":
         """The vector of the number's products with constants."""
-        vector = Traced(self.builder, self._repeated(self.value, len(factors)))
+        vector = Traced(self.builder, repeated(self.builder, self.value, len(factors)))
         return Traced(self.builder, self.builder.fmul(vector.value, _constants(factors)))
 
     def weighted_sum(self, weights: Sequence[float]) -> "Traced":
@@ -307,6 +301,14 @@ def _plus_products(total: Any, pairs: Sequence[tuple[Any, Any]]) -> Any:
     for x, y in pairs:
         total = x * y if total is None else fma(x, y, total)
     return total
+
+
+def repeated(builder: ir.IRBuilder, scalar: ir.Value, count: int) -> ir.Value:
+    """The vector of `count` times one number."""
+    kind = ir.VectorType(_DOUBLE, count)
+    first = builder.insert_element(ir.Constant(kind, ir.Undefined), scalar, ir.Constant(_LANE, 0))
+    lanes = ir.Constant(ir.VectorType(_LANE, count), [0] * count)
+    return builder.shuffle_vector(first, ir.Constant(kind, ir.Undefined), lanes)
 
 
 def _constants(numbers: Sequence[float]) -> ir.Constant:

@@ -11,10 +11,10 @@ from stickslip.crawler import Groups, Scene
 from stickslip.crawler.body import Body, Ledger, physics
 from stickslip.crawler.control import DIVERGED, FINISHED, MAX_STEPS, OUT_OF_STEPS, TAYLOR
 from stickslip.crawler.driving import advance_by_method
-from stickslip.crawler.lane_steps import LANES
 from stickslip.crawler.lanes import advance_lanes, lane_workspace
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.taylor import order_for
+from stickslip.lanes import LANES
 
 SAMPLES = 3
 UNTOUCHED = -9.0
