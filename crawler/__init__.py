@@ -2,7 +2,7 @@
 
 from .actuator import Actuator, Scales
 from .body import ChainState, REST, State
-from .groups import Groups, PRESETS
+from .groups import Groups, GroupsLike, PRESETS
 from .scene import Scene
 from .simulation import simulate, SolverError
 from .trajectory import EVENT, Trajectory
@@ -14,6 +14,7 @@ __all__ = [
     "Actuator",
     "ChainState",
     "Groups",
+    "GroupsLike",
     "Scales",
     "Scene",
     "SolverError",

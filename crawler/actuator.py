@@ -10,6 +10,11 @@ from .groups import Groups
 __all__ = ["STANDARD_GRAVITY", "Actuator", "Scales"]
 
 STANDARD_GRAVITY = 9.80665  # m/s^2
+# Of any magnitude in SI: of such numbers no scale or group overflows (Pi1 holds their eighth power).
+_MAGNITUDES = "[1e-37, 1e37]"
+# Of a tube's measures: the stiffness, bore and mass that come of such numbers are magnitudes as above.
+_MODULI = "[1e-3, 1e15]"
+_LENGTHS = "[1e-6, 1e6]"
 
 
 class Scales(NamedTuple):
@@ -84,11 +89,18 @@ class Actuator:
         for field in fields(self):
             if field.name != "segments":
                 allowed = "(0, inf)" if field.name in positive else "[0, inf)"
-                number_within(field.name, getattr(self, field.name), allowed)
+                value = number_within(field.name, getattr(self, field.name), allowed)
+                if value:
+                    number_within(field.name, value, _MAGNITUDES)
         if self.kinetic_friction > self.static_friction:
             raise ValueError(
                 f"kinetic_friction must be in [0, static_friction = {self.static_friction!r}], "
                 f"got {self.kinetic_friction!r}"
+            )
+        if self.foot_mass == self.mass:
+            raise ValueError(
+                f"payload_mass must be more than a rounding of foot_mass = {self.foot_mass!r}, "
+                f"got {self.payload_mass!r}"
             )
 
     @classmethod
@@ -151,8 +163,10 @@ class Actuator:
             "length": length,
         }.items():
             number_within(name, value, "(0, inf)")
+            number_within(name, value, _MODULI if name == "youngs_modulus" else _LENGTHS)
         for name, value in {"density": density, "payload_mass": payload_mass, "foot_mass": foot_mass}.items():
             number_within(name, value, "[0, inf)")
+            number_within(name, value, "[0, 1e15]")
         if inner_radius >= outer_radius:
             raise ValueError(f"inner_radius must be in (0, outer_radius = {outer_radius!r}), got {inner_radius!r}")
         wall_area = math.pi * (outer_radius**2 - inner_radius**2)
@@ -175,24 +189,25 @@ class Actuator:
 
     @classmethod
     def ecoflex(cls) -> Self:
-        """A crawler of Ecoflex 00-30 whose groups are the defaults.
+        """A crawler of Ecoflex 00-30 whose groups are the defaults, to the last bit.
 
-        A tube of 11 cm with 2 cm^2 of wall at E = 70 kPa has k_1 = 128 N/m. Its bore of 1 cm^2 at 32 kPa pushes
-        with 3.2 N and stretches it by a quarter of its length, 2.5 cm. With 320 g in all the natural time is 50 ms;
-        silicone rubber on wood or paper has a friction coefficient near 1.
+        A tube of 12.5 cm with 1.14 cm^2 of wall at E = 70 kPa has k_1 = 64 N/m. Its bore of 1 cm^2 at 20 kPa pushes
+        with 2 N and stretches it by a quarter of its length, z_c = 1/32 m. With 250 g in all the natural time is
+        1/16 s. Static and kinetic friction coefficients of the rubber foot are 0.82 and 0.54. The cubic stiffness,
+        the damping, the lag and the radial coupling are those that the default groups stand for.
         """
-        foot_mass, force = 0.096, 3.2
+        foot_mass, force = 0.075, 2.0
         weight = foot_mass * STANDARD_GRAVITY
         return cls(
-            payload_mass=0.224,
+            payload_mass=0.175,
             foot_mass=foot_mass,
-            stiffness=128.0,
-            cubic_stiffness=102400.0,
-            damping=0.64,
+            stiffness=64.0,
+            cubic_stiffness=32768.0,
+            damping=0.4,
             bore_area=1.0e-4,
-            peak_pressure=32.0e3,
-            lag=0.025,
-            radial_coupling=8.0,
+            peak_pressure=20.0e3,
+            lag=0.03125,
+            radial_coupling=6.4,
             static_friction=0.3 * force / weight,
             kinetic_friction=0.2 * force / weight,
         )

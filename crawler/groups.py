@@ -1,12 +1,12 @@
 """The seven dimensionless groups that fix a crawler, and named choices of them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from ..validation import known_names, number_within
 
-__all__ = ["PRESETS", "RANGES", "Groups"]
+__all__ = ["PRESETS", "RANGES", "Groups", "GroupsLike", "HasGroups", "groups_of_each"]
 
 RANGES = {
     "duffing": "[0, inf)",
@@ -71,12 +71,12 @@ class Groups:
             )
 
     @classmethod
-    def of(cls, choice: "Groups | str | Mapping[str, Any] | None") -> "Groups":
-        """Groups from a preset's name, a mapping of some of the fields, or groups themselves.
+    def of(cls, choice: "GroupsLike | None") -> "Groups":
+        """Groups from a preset's name, a mapping of some of the fields, an actuator, or groups themselves.
 
         Parameters
         ----------
-        choice : Groups, str, mapping or None
+        choice : Groups, str, mapping, Actuator or None
             None gives the defaults; a mapping changes the defaults it names.
 
         Returns
@@ -101,11 +101,52 @@ class Groups:
         if isinstance(choice, Mapping):
             known_names("groups", choice, RANGES)
             return cls(**choice)
-        raise TypeError(f"groups must be Groups, a preset's name or a mapping of fields, got {choice!r}")
+        groups = getattr(choice, "groups", None)
+        if isinstance(groups, cls):
+            return groups
+        raise TypeError(f"groups must be Groups, a preset's name, a mapping of fields or an Actuator, got {choice!r}")
 
     def to_dict(self) -> dict[str, float]:
         """Fields by name, ready for JSON."""
         return {name: getattr(self, name) for name in self.__slots__}
+
+
+class HasGroups(Protocol):
+    """What can be made dimensionless, as an `Actuator` can."""
+
+    @property
+    def groups(self) -> Groups:
+        """Its dimensionless groups."""
+
+
+GroupsLike = Groups | str | Mapping[str, float] | HasGroups
+"""What a function takes for groups: see :meth:`Groups.of`."""
+
+
+def groups_of_each(choice: Any) -> Groups | list[Groups]:
+    """Groups of one crawler, or of each of several.
+
+    Parameters
+    ----------
+    choice : Groups, str, mapping, Actuator or None, or an iterable of them
+        Each as in :meth:`Groups.of`.
+
+    Returns
+    -------
+    Groups or list of Groups
+        A list where `choice` is an iterable of choices.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As :meth:`Groups.of`; TypeError also if there are none.
+    """
+    if isinstance(choice, str | Mapping) or not isinstance(choice, Iterable):
+        return Groups.of(choice)
+    several = [Groups.of(one) for one in choice]
+    if not several:
+        raise TypeError(f"groups must be Groups or several of them, got {choice!r}")
+    return several
 
 
 PRESETS: dict[str, Groups] = {

@@ -1,7 +1,7 @@
 """The body driven by a sequence of valve states or duty cycles."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from .chain_simulation import run_chain, stretches_of
 from .control import DIVERGED, FINISHED, MAX_STEPS, STEPS_A_HOLD
 from .cost import fastest_rate
 from .crawler_simulation import run_crawler
-from .groups import Groups
+from .groups import Groups, groups_of_each, GroupsLike
 from .scene import Scene
 from .solvers import AUTO, choose, Solver, SOLVERS
 from .trajectory import EVENT, Trajectory
@@ -32,11 +32,11 @@ class SolverError(RuntimeError):
 
 
 def simulate(
-    groups: Groups | Sequence[Groups],
+    groups: GroupsLike | Sequence[GroupsLike],
     valve: ArrayLike,
     hold: float,
     *,
-    scene: Scene | None = None,
+    scene: Scene | Mapping[str, Any] | None = None,
     tolerance: float = 1e-9,
     solver: str = "auto",
     samples_per_hold: int = 1,
@@ -47,16 +47,16 @@ def simulate(
 
     Parameters
     ----------
-    groups : Groups or sequence of Groups
-        One for all, or one a row of the batch.
+    groups : Groups, str, mapping or Actuator, or sequence of them
+        Each as in `Groups.of`: one for all, or one a row of the batch.
     valve : (holds,) or (batch, holds) array, in [0, 1]
         Duty cycles, one schedule for all or one a row of the batch: the valve is open for the first ``duty * hold`` of
         each hold and shut for the rest, so that 1 keeps it open throughout and 0 shut. It turns at that very instant,
         and the samples stay where they are.
     hold : float, in (0, inf)
         Time between duty cycles, natural units.
-    scene : Scene, optional
-        On the ground with a ratcheted foot by default.
+    scene : Scene or mapping, optional
+        As in `Scene.of`; on the ground with a ratcheted foot by default.
     tolerance : float, in [1e-15, 1e-2]
         Largest term neglected from the acceleration's Taylor series in a step, or largest error of deformation, rate
         and force in a step of "radau", natural units. The closed form is exact to rounding whatever the tolerance.
@@ -198,7 +198,7 @@ def solver_error(
     )
 
 
-def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Groups], NDArray[Any], bool]:
+def _batch(groups: GroupsLike | Sequence[GroupsLike], valve: ArrayLike) -> tuple[list[Groups], NDArray[Any], bool]:
     """Groups and schedules row by row, and whether there is one crawler only."""
     try:
         given = np.asarray(valve)
@@ -212,10 +212,9 @@ def _batch(groups: Groups | Sequence[Groups], valve: ArrayLike) -> tuple[list[Gr
         index = tuple(int(i) for i in wrong[0])
         raise ValueError(f"valve must hold only numbers in [0, 1], got {given[index]!r} at index {index}")
     schedule = given.astype(np.float64 if kind == "f" else np.int8)
-    single = isinstance(groups, Groups)
-    crawlers = [groups] if isinstance(groups, Groups) else list(groups) if isinstance(groups, Iterable) else []
-    if not crawlers or not all(isinstance(member, Groups) for member in crawlers):
-        raise TypeError(f"groups must be Groups or a sequence of them, got {groups!r}")
+    each = groups_of_each(groups)
+    single = isinstance(each, Groups)
+    crawlers = [each] if isinstance(each, Groups) else each
     if schedule.ndim == 1:
         return crawlers, np.broadcast_to(schedule, (len(crawlers), len(schedule))).copy(), single
     if single:

@@ -10,7 +10,7 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from ..crawler import Groups, Scene
+from ..crawler import GroupsLike, Scene
 from ..crawler.body import STUCK
 from ..crawler.control import FINISHED, MAX_STEPS
 from ..crawler.simulation import solver_error
@@ -90,7 +90,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
 
     ## Arguments
 
-    All can be written as JSON.
+    All can be written as JSON; `groups` and `scene` may also be a `Groups`, an `Actuator` and a `Scene`.
 
     | Argument        | Type           | Default | Description                                                |
     |-----------------|----------------|---------|------------------------------------------------------------|
@@ -117,7 +117,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     def __init__(
         self,
         *,
-        groups: str | Mapping[str, float] | Groups | None = None,
+        groups: GroupsLike | None = None,
         scene: Mapping[str, Any] | Scene | None = None,
         hold: float = 0.5,
         tolerance: float = 1e-6,

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from ..crawler import Groups, Scene
+from ..crawler import Groups, GroupsLike, Scene
 from ..crawler.groups import RANGES
 from ..crawler.simulation import TOLERANCES
 from ..validation import known_names, number_within, whole_number
@@ -44,7 +44,7 @@ class Settings:
     def of(
         cls,
         *,
-        groups: str | Mapping[str, float] | Groups | None = None,
+        groups: GroupsLike | None = None,
         scene: Mapping[str, Any] | Scene | None = None,
         hold: float = 0.5,
         tolerance: float = 1e-6,

@@ -12,7 +12,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
-from ..crawler import Groups, Scene
+from ..crawler import Groups, GroupsLike, Scene
+from ..crawler.groups import groups_of_each
 from ..validation import whole_number
 from .crawler import StickSlipCrawlerEnv
 from .fleet import Fleet
@@ -36,7 +37,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
     Parameters
     ----------
     num_envs : int, >= 1
-    groups : str, mapping or Groups, or a sequence of num_envs of these
+    groups : Groups, str, mapping or Actuator, or a sequence of num_envs of these
         As in `StickSlipCrawlerEnv`; a sequence gives each sub-environment its own.
     scene, hold, tolerance, dither, memory_weight, delays, virtual_nodes, randomize
         As in `StickSlipCrawlerEnv`.
@@ -68,7 +69,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         self,
         num_envs: int = 1,
         *,
-        groups: str | Mapping[str, float] | Groups | Sequence[str | Mapping[str, float] | Groups] | None = None,
+        groups: GroupsLike | Sequence[GroupsLike] | None = None,
         scene: Mapping[str, Any] | Scene | None = None,
         hold: float = 0.5,
         tolerance: float = 1e-6,
@@ -353,11 +354,12 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
 
 def _each(choice: Any, count: int) -> list[Groups]:
     """Groups of each sub-environment."""
-    if isinstance(choice, Sequence) and not isinstance(choice, str):
-        if len(choice) != count:
-            raise ValueError(f"groups must be one choice or num_envs = {count} of them, got {len(choice)}")
-        return [Groups.of(one) for one in choice]
-    return [Groups.of(choice)] * count
+    groups = groups_of_each(choice)
+    if isinstance(groups, Groups):
+        return [groups] * count
+    if len(groups) != count:
+        raise ValueError(f"groups must be one choice or num_envs = {count} of them, got {len(groups)}")
+    return groups
 
 
 def _shown(rendered: Any, count: int) -> list[int]:

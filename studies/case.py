@@ -38,8 +38,8 @@ class Case:
 
     Parameters
     ----------
-    groups : Groups
-    scene : Scene
+    groups : Groups, str, mapping or Actuator
+    scene : Scene or mapping
     hold : float, in (0, inf)
         Natural units.
     holds : int, >= 1

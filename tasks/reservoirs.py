@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..crawler import Groups, Scene, simulate, Trajectory
+from ..crawler import Groups, GroupsLike, Scene, simulate, Trajectory
 from ..crawler.simulation import HOLDS, TOLERANCES
 from ..crawler.tube import is_chain
 from ..reservoir import delay_line, EchoStateNetwork
@@ -48,7 +48,7 @@ class BodyReservoir:
 
     Attributes
     ----------
-    groups : Groups, str, mapping or None
+    groups : Groups, str, mapping, Actuator or None
         As in `Groups.of`.
     scene : Scene, mapping or None
         As in `Scene.of`. Of a chain every segment is read.
@@ -315,10 +315,10 @@ RESERVOIRS = known_reservoirs()
 def crawler_states(
     valve: ArrayLike,
     *,
-    groups: Groups | str | Mapping[str, Any] | None = None,
+    groups: GroupsLike | None = None,
     hold: float = 0.5,
     virtual_nodes: int = 4,
-    scene: Scene | None = None,
+    scene: Scene | Mapping[str, Any] | None = None,
     tolerance: float = 1e-9,
 ) -> NDArray[np.float64]:
     """Drive the crawler from rest and read its body several times a hold.

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..crawler import Groups
+from ..crawler import Groups, GroupsLike
 from ..crawler.groups import RANGES
 from ..validation import known_names, number_within
 from .reservoirs import BodyReservoir
@@ -14,7 +14,7 @@ SWEPT = ("hold", "amplitude", *RANGES)
 """What can be swept: the hold, the amplitude of the pressure, and every dimensionless group."""
 
 
-def with_amplitude(groups: Groups, amplitude: float) -> Groups:
+def with_amplitude(groups: GroupsLike, amplitude: float) -> Groups:
     """The same body under so many times the peak pressure, in the units that go with it.
 
     Length, and with it force, is measured by the peak pressure: ``z_c = P_max A_0 / k_1``. So Pi1 = k_3 z_c^2 / k_1
@@ -22,7 +22,7 @@ def with_amplitude(groups: Groups, amplitude: float) -> Groups:
 
     Parameters
     ----------
-    groups : Groups
+    groups : Groups, str, mapping or Actuator
     amplitude : float, in (0, inf)
         Peak pressure, relative to that of `groups`.
 
@@ -36,6 +36,7 @@ def with_amplitude(groups: Groups, amplitude: float) -> Groups:
         If `amplitude` is out of range.
     """
     amplitude = number_within("amplitude", amplitude, "(0, inf)")
+    groups = Groups.of(groups)
     return replace(
         groups,
         duffing=groups.duffing * amplitude**2,

@@ -28,7 +28,7 @@ class CrawlerReservoir(TransformerMixin, BaseEstimator):
 
     Parameters
     ----------
-    groups : Groups, str, mapping or None
+    groups : Groups, str, mapping, Actuator or None
         As in `stickslip.Groups.of`.
     scene : Scene, mapping or None
         As in `stickslip.Scene.of`. Of a chain every segment is read.

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..crawler import Groups, Scene, simulate
+from ..crawler import GroupsLike, Scene, simulate
 from ..reservoir import memory_capacity, MemoryCapacity
 from ..tasks import body_states, dithered, innovation
 from ..validation import number_within, whole_number
@@ -29,7 +29,7 @@ def performance(
     valve: NDArray[np.int64],
     *,
     dither: float,
-    groups: Groups,
+    groups: GroupsLike,
     hold: float,
     scene: Scene,
     delays: int = 20,

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 from ..crawler import Groups
+from ..crawler.groups import groups_of_each
 from ..envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
 from ..envs.settings import Settings
 from .stand_in import StandIn
@@ -216,6 +217,7 @@ class StickSlipVecEnv(VecEnv):
 
 
 def _settings_of_each(env: StickSlipCrawlerVectorEnv, groups: Any) -> list[Settings]:
-    if isinstance(groups, Sequence) and not isinstance(groups, str):
-        return [replace(env.settings, groups=Groups.of(choice)) for choice in groups]
-    return [env.settings] * env.num_envs
+    each = groups_of_each(groups)
+    if isinstance(each, Groups):
+        return [env.settings] * env.num_envs
+    return [replace(env.settings, groups=choice) for choice in each]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cases import run, WORD
 
-from stickslip.crawler import Actuator, Groups, Trajectory
+from stickslip.crawler import Actuator, Groups, PRESETS, Trajectory
 
 BY_HAND = {
     "payload_mass": 0.3,
@@ -25,8 +25,79 @@ BY_HAND = {
 }
 
 
-def test_ecoflex_is_the_default_crawler():
-    assert Actuator.ecoflex().groups.to_dict() == pytest.approx(Groups().to_dict(), rel=1e-12)
+def test_ecoflex_is_the_preset_and_the_default_crawler_to_the_bit():
+    assert Actuator.ecoflex().groups == PRESETS["ecoflex-00-30"] == Groups()
+
+
+def test_ecoflex_is_the_tube_that_its_docstring_describes():
+    wall, bore = 1.14e-4, 1.0e-4
+    tube = Actuator.from_tube(
+        youngs_modulus=70e3,
+        outer_radius=sqrt((wall + bore) / pi),
+        inner_radius=sqrt(bore / pi),
+        density=1070.0,
+        length=0.125,
+        payload_mass=0.167,
+        foot_mass=0.067,
+        peak_pressure=20e3,
+        lag=0.03125,
+        static_friction=0.82,
+        kinetic_friction=0.54,
+    )
+    ecoflex = Actuator.ecoflex()
+    for name in ("payload_mass", "foot_mass", "stiffness", "bore_area", "static_friction", "kinetic_friction"):
+        assert getattr(ecoflex, name) == pytest.approx(getattr(tube, name), rel=0.01), name
+    assert ecoflex.scales == pytest.approx(tube.scales, rel=0.01)
+    assert ecoflex.scales == (0.125 / 4, 1 / 16, 2.0, 20e3)
+
+
+LIMITS = ["payload_mass", "foot_mass", "stiffness", "bore_area", "peak_pressure", "lag", "cubic_stiffness"]
+LIMITS += ["damping", "radial_coupling", "static_friction", "gravity"]
+
+
+@pytest.mark.parametrize("name", LIMITS)
+@pytest.mark.parametrize("absurd", [1e-300, 1e-200, 1e-40, 1e40, 1e200, 1e308])
+def test_a_magnitude_that_no_body_has_is_refused_by_the_fields_name(name, absurd):
+    with pytest.raises(ValueError, match=rf"^{name} must be in .*, got {absurd!r}".replace("+", r"\+")):
+        Actuator(**BY_HAND | {"kinetic_friction": 0.0, name: absurd})
+
+
+def test_what_is_not_refused_has_groups_and_scales():
+    """At every corner of the magnitudes allowed."""
+    rng = np.random.default_rng(0)
+    names = [*LIMITS, "kinetic_friction"]
+    made = 0
+    for _ in range(3000):
+        values = dict(zip(names, rng.choice([1e-37, 1.0, 1e37], len(names)).tolist(), strict=True))
+        values["kinetic_friction"] = min(values["kinetic_friction"], values["static_friction"])
+        if values["payload_mass"] < 1e-16 * values["foot_mass"]:
+            with pytest.raises(ValueError, match=r"^payload_mass must be more than a rounding of foot_mass"):
+                Actuator(**values)
+            continue
+        actuator = Actuator(**values)
+        made += 1
+        assert np.isfinite([*actuator.groups.to_dict().values(), *actuator.scales, actuator.scales.energy]).all()
+        assert min(actuator.scales) > 0.0
+    assert made > 1000
+
+
+@pytest.mark.parametrize("name", ["youngs_modulus", "outer_radius", "inner_radius", "density", "length", "foot_mass"])
+@pytest.mark.parametrize("absurd", [1e-200, 1e200])
+def test_an_absurd_tube_is_refused_by_the_name_that_was_given(name, absurd):
+    if name in ("density", "foot_mass") and absurd < 1.0:
+        Actuator.from_tube(**TUBE | {name: absurd})  # as good as none
+        return
+    with pytest.raises(ValueError, match=f"^{name} must be in"):
+        Actuator.from_tube(**TUBE | {name: absurd})
+
+
+def test_the_thinnest_wall_of_any_tube_makes_an_actuator():
+    for radius in (1e-6, 1.0, 1e6):
+        for modulus, length in ((1e-3, 1e6), (1e15, 1e-6)):
+            thin = {"outer_radius": float(np.nextafter(radius, 2 * radius)), "inner_radius": radius}
+            if radius == 1e6:
+                thin = {"outer_radius": radius, "inner_radius": float(np.nextafter(radius, 0))}
+            Actuator.from_tube(**TUBE | thin | {"youngs_modulus": modulus, "length": length})
 
 
 def test_groups_and_scales_by_hand():
