@@ -192,8 +192,8 @@ class CrawlerReservoir(TransformerMixin, BaseEstimator):
         )
 
     def _validated(self, X: ArrayLike, *, reset: bool) -> NDArray[np.float64]:
-        flat = getattr(X, "ndim", None) == 1 or (isinstance(X, list | tuple) and np.ndim(X) == 1)
-        if flat and (reset or self.n_features_in_ == 1):
+        dimensions = X.ndim if hasattr(X, "ndim") else np.asarray(X).ndim
+        if dimensions == 1 and (reset or self.n_features_in_ == 1):
             X = np.asarray(X).reshape(-1, 1)
         values: NDArray[np.float64] = validate_data(self, X, dtype=np.float64, reset=reset)
         return values

@@ -1,10 +1,15 @@
+import array
 import doctest
 import pickle
 import subprocess
 import sys
+from collections import deque
 
 import numpy as np
+import pandas
+import polars
 import pytest
+import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sklearn.base import clone
@@ -77,6 +82,45 @@ def test_the_range_is_learned_from_what_is_fitted_and_the_valve_does_no_more():
 
 def test_a_constant_series_shuts_the_valve():
     np.testing.assert_array_equal(CrawlerReservoir().fit_transform(np.full(5, 3.0)), np.zeros((5, 12)))
+
+
+def one_dimensional():
+    """The same series as the array-likes that people have."""
+    values = SERIES[:20]
+    arrays = {
+        "list": values.tolist(),
+        "tuple": tuple(values),
+        "array.array": array.array("d", values),
+        "memoryview": memoryview(values),
+        "polars": polars.Series("u", values),
+        "pandas": pandas.Series(values, name="u", index=range(7, 27)),
+        "pandas with missing values allowed": pandas.Series(values, dtype="Float64"),
+        "torch": torch.from_numpy(values),
+        "float32": values.astype(np.float32).astype(object),
+        "not contiguous": np.repeat(values, 2)[::2],
+        "deque": deque(values),
+    }
+    return [pytest.param(given, id=name) for name, given in arrays.items()]
+
+
+@pytest.mark.parametrize("given", one_dimensional())
+def test_a_series_may_be_any_array_of_one_dimension(given):
+    expected = CrawlerReservoir(washout=3).fit_transform(np.asarray(given, dtype=float)[:, None])
+    np.testing.assert_array_equal(CrawlerReservoir(washout=3).fit(given).transform(given), expected)
+    fitted = CrawlerReservoir(washout=3).fit(SERIES[:20, None])
+    np.testing.assert_allclose(fitted.transform(given), expected, rtol=0, atol=1e-5)
+
+
+def test_whole_numbers_are_a_series_too():
+    expected = CrawlerReservoir().fit_transform(np.arange(5.0))
+    for series in (range(5), array.array("b", range(5)), polars.Series(range(5)), bytearray(range(5))):
+        np.testing.assert_array_equal(CrawlerReservoir().fit_transform(series), expected)
+
+
+@pytest.mark.parametrize("bad", [3.0, "0110", polars.Series([0.5, None]), {"u": [1.0]}, [[1.0], [1.0, 2.0]]], ids=repr)
+def test_what_is_no_series_is_refused(bad):
+    with pytest.raises((ValueError, TypeError)):
+        CrawlerReservoir().fit(bad)
 
 
 def test_every_column_drives_a_body_of_its_own():
