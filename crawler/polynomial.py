@@ -21,6 +21,8 @@ LARGEST_DEGREE = 24
 _NOISE = 16.0 * np.finfo(np.float64).eps
 # At 2^-52 of the step neighbouring coefficients agree to rounding, so nothing is left to split.
 _DEEPEST = 52
+# Halving does not add variations (Schoenberg), and an interval that is split has two at least.
+_LOOKS = (_DEEPEST + 1) * LARGEST_DEGREE
 _REFINEMENTS = 100
 
 _BINOMIAL = np.array(
@@ -112,12 +114,18 @@ def sharp_descent(coefficients: NDArray[np.float64], degree: int, length: float)
     early root.
     """
     moment = first_descent(coefficients, degree, length)
-    while 0.0 < moment < 0.5 * length:
+    if not 0.0 < moment < 0.5 * length:
+        return moment
+    # Where a pass does not halve the moment the terms at its end, and with them the rounding, hardly change any more.
+    for _ in range(_DEEPEST):
         length = 2.0 * moment
         nearer = first_descent(coefficients, degree, length)
         if nearer > length:
             break
+        settled = nearer >= 0.5 * moment
         moment = nearer
+        if settled:
+            break
     return moment
 
 
@@ -138,7 +146,9 @@ def _isolate(coefficients: NDArray[np.float64], degree: int, length: float, nois
     depth[0] = 0
 
     top = 0
-    while top >= 0:
+    for _ in range(_LOOKS):
+        if top < 0:
+            break
         control = pending[top]
         variations = 0
         below = False
@@ -166,7 +176,7 @@ def _isolate(coefficients: NDArray[np.float64], degree: int, length: float, nois
         depth[top] += 1
         depth[top + 1] = depth[top]
         top += 1
-    return np.inf
+    return left[top] if top >= 0 else np.inf
 
 
 @compiled

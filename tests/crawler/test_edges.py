@@ -437,3 +437,22 @@ def test_a_foot_with_hardly_any_speed_stops_no_later_than_its_drag_has_it(solver
     verdict = decimal_judge(groups, [1], 0.3, **arguments)
     assert_agrees(done, verdict, atol=1e-13)
     np.testing.assert_allclose(done.events["time"], [float(time) for time, _ in verdict.events], rtol=1e-5)
+
+
+# Without friction or damping every swing of a heavy foot grazes rest: the descent search meets near-double roots.
+
+
+@pytest.mark.parametrize("solver", ["taylor", "radau"])
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-12])
+def test_a_foot_that_grazes_rest_at_every_swing_does_not_hang(solver, tolerance):
+    groups = Groups(
+        duffing=0.9407036290740752,
+        damping_ratio=0.0,
+        deborah=0.004225826282863232,
+        radial_coupling=0.1441836807054404,
+        foot_mass_fraction=0.8776317530796933,
+        static_friction=0.0,
+        kinetic_friction=0.0,
+    )
+    done = run(groups, [1], 455.0, solver=solver, tolerance=tolerance)
+    assert done.foot[-1] == pytest.approx(148.27141107, abs=1e4 * tolerance)

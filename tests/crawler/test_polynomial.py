@@ -10,7 +10,7 @@ from cases import HUNT
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from stickslip.crawler.polynomial import first_descent, horner, horner_derivative, LARGEST_DEGREE
+from stickslip.crawler.polynomial import first_descent, horner, horner_derivative, LARGEST_DEGREE, sharp_descent
 
 NEVER = np.inf
 units = st.fractions(0, 1, max_denominator=1000)
@@ -189,3 +189,33 @@ def test_horner_and_its_derivative(data, t):
     slope = np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(coefficients))
     assert horner(coefficients, degree, t) == pytest.approx(expected, abs=scale)
     assert horner_derivative(coefficients, degree, t) == pytest.approx(slope, abs=25.0 * scale)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-16, 1e-15, 1e-14, 1e-13, 1e-11, 1e-8])
+@pytest.mark.parametrize("at", [0.13, 0.3, 0.43174935039170475, 0.49])
+def test_near_a_double_root_the_shortening_ends(at, gap):
+    # The first of these once took a million passes, a rounding of the root each.
+    exact = [Fraction(at) ** 2 - Fraction(gap), -2 * Fraction(at), Fraction(1)]
+    coefficients = np.array([float(c) for c in exact])
+    found = sharp_descent(coefficients, 2, 1.0)
+    depth = Fraction(coefficients[1]) ** 2 / 4 - Fraction(coefficients[0])
+    noise = 32 * 2.0**-52 * np.abs(coefficients).sum()
+    if depth < -noise:
+        assert found == NEVER
+    elif depth > noise:
+        assert found == pytest.approx(at - float(depth) ** 0.5, abs=noise / float(depth) ** 0.5)
+    else:
+        assert found == NEVER or found == pytest.approx(at, abs=2.0 * noise**0.5)
+
+
+def test_the_reported_near_double_root_is_found_once():
+    coefficients = np.array([0.18640750156364222, -0.8634987007834094, 1.0, 0.0])
+    middle = -coefficients[1] / 2
+    assert sharp_descent(coefficients, 3, 1.0) == pytest.approx(middle, abs=1e-6)
+
+
+@pytest.mark.parametrize("root", [1e-3, 1e-9, 1e-14])
+def test_an_early_root_is_as_sharp_as_in_a_short_interval(root):
+    # (t - root) (t - 1) ... : the terms at 1 are larger than those at the root by 1 / root.
+    coefficients = np.array([float(c) for c in product([Fraction(root), Fraction(3), Fraction(5), Fraction(7)])])
+    assert sharp_descent(coefficients * root, 4, 1.0) == pytest.approx(root, rel=1e-13)
