@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import finite_array, known_names, number_within, whole_number
-from .orthonormal import orthonormal_basis
+from .orthonormal import of_usual_size, orthonormal_basis
 from .product_basis import count_terms, legendre_polynomials, products, Term, terms, walsh
 
 Array = NDArray[np.float64]
@@ -185,7 +185,7 @@ def information_processing_capacity(
     # Imported where it is used: it takes a fifth of a second, and whoever only steps an environment needs none of it.
     from scipy.special import chdtri
 
-    x = finite_array("states", states, 2)
+    x = of_usual_size(finite_array("states", states, 2))
     u = finite_array("inputs", inputs, 1)
     known_names("basis", [basis], ["walsh", "legendre"])
     known_names("threshold", [threshold], ["chi-squared", "surrogates"])

@@ -12,8 +12,16 @@ from ..validation import finite_array, known_names, number_within, whole_number
 from .bootstrap import Estimate, mean_over_runs, percentiles, resampled_squared_correlations, usual_block
 from .delayed import delayed_products, delayed_rows, delayed_squared_correlations, Delays
 from .metrics import squared_correlation_of_rows
-from .orthonormal import Array, column_norms, rank_of, repair, surely_full_rank, whitening
-from .ridge import affine_weights, leave_one_out, samples_needed, training_samples, whitened_weights
+from .orthonormal import Array, column_norms, of_usual_size, rank_of, repair, surely_full_rank, whitening
+from .ridge import (
+    affine_weights,
+    leave_one_out,
+    penalty_on_weights,
+    RIDGE,
+    samples_needed,
+    training_samples,
+    whitened_weights,
+)
 
 Scoring = Literal["held out", "leave one out"]
 
@@ -66,7 +74,7 @@ def memory_capacity(
     washout: int = 200,
     scoring: Scoring = "held out",
     holdout: float = 0.5,
-    ridge: float = 1e-6,
+    ridge: float = RIDGE,
     fit_intercept: bool = True,
     significance: float = 1e-4,
     resamples: int = 0,
@@ -141,13 +149,13 @@ def memory_capacity(
     .. [2] J. Dambre, D. Verstraeten, B. Schrauwen and S. Massar, "Information processing capacity of
        dynamical systems", Scientific Reports 2, 514, 2012.
     """
-    x = finite_array("states", states, 2)
+    x = of_usual_size(finite_array("states", states, 2))
     e = finite_array("message", message, 1)
     lags = _lags(delays)
     washout = whole_number("washout", washout, 0)
     known_names("scoring", [scoring], ["held out", "leave one out"])
     holdout = number_within("holdout", holdout, "(0, 1)")
-    penalty = number_within("ridge", ridge, "[0, inf)")
+    ridge = number_within("ridge", ridge, "[0, inf)")
     significance = number_within("significance", significance, "(0, 0.5)")
     resamples = whole_number("resamples", resamples, 0)
     confidence = number_within("confidence", confidence, "(0, 1)")
@@ -164,9 +172,9 @@ def memory_capacity(
     if scoring == "leave one out":
         bound = rank_of(x[start:])
         cutoff = _leave_one_out_cutoff(bound, len(x) - start, significance)
-        prediction = leave_one_out(x[start:], delayed_rows(e, lags, start, len(e)).T, penalty, fit_intercept).T
+        prediction = leave_one_out(x[start:], delayed_rows(e, lags, start, len(e)).T, ridge, fit_intercept).T
     else:
-        weights, bound = _weights_and_bound(x, e, lags, start, first, penalty, fit_intercept)
+        weights, bound = _weights_and_bound(x, e, lags, start, first, ridge, fit_intercept)
         cutoff = NormalDist().inv_cdf(significance) ** 2 / (len(x) - first)
         if resamples == 0:
             profile = delayed_squared_correlations(x, weights, x[start], e, lags, first, len(x))
@@ -285,6 +293,7 @@ def _weights_and_bound(
         return delayed_products(x, e, lags, start, first, to_white=to_white, centred=fit_intercept)
 
     gram, cross = products()
+    penalty = penalty_on_weights(ridge, gram.trace(), len(gram))
     white, triangle = whitening(gram), None
     if white is not None and white.nine_digits:
         triangle, projected = np.eye(len(gram)), white.map.T @ cross
@@ -295,7 +304,7 @@ def _weights_and_bound(
         weights, _ = affine_weights(x[start:first], delayed_rows(e, lags, start, first).T, ridge, fit_intercept)
         return weights, rank_of(x[start:])
     full = fit_intercept and surely_full_rank(white, column_norms(x[start:first]))
-    return whitened_weights(white.map, triangle, projected, ridge), len(gram) if full else rank_of(x[start:])
+    return whitened_weights(white.map, triangle, projected, penalty), len(gram) if full else rank_of(x[start:])
 
 
 def _leave_one_out_cutoff(rank: int, samples: int, significance: float) -> float:

@@ -12,6 +12,7 @@ References
    algorithm", Electronic Transactions on Numerical Analysis 44, 306, 2015.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +29,26 @@ _ROUNDINGS = 100 * np.finfo(np.float64).eps
 # Departure from orthonormality after the first pass up to which the second one repairs it: [1] needs below 1.
 _NEARLY_ORTHONORMAL = 0.5
 _NINE_DIGITS = 1e-9
+# Largest state below which, and above whose inverse, squares of states lose digits or overflow.
+_LEAST_SIZE = 2.0**-300
+
+
+def of_usual_size(states: Array) -> Array:
+    """The states, or where their squares would leave the floating-point numbers a power of two times them.
+
+    Parameters
+    ----------
+    states : ndarray
+
+    Returns
+    -------
+    ndarray
+        The same array where it is not multiplied.
+    """
+    largest = max(abs(float(states.max())), abs(float(states.min())))
+    if largest == 0 or _LEAST_SIZE < largest < 1 / _LEAST_SIZE:
+        return states
+    return np.ldexp(states, -math.frexp(largest)[1])
 
 
 class Whitening(NamedTuple):
@@ -199,7 +220,7 @@ def state_rank(states: ArrayLike) -> int:
     ValueError
         If `states` has a wrong shape or is not finite.
     """
-    return rank_of(finite_array("states", states, 2))
+    return rank_of(of_usual_size(finite_array("states", states, 2)))
 
 
 def rank_of(states: Array) -> int:

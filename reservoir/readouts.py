@@ -13,15 +13,15 @@ from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from ..validation import finite_array, number_within
-from .orthonormal import centre
+from .orthonormal import centre, of_usual_size
 from .recursive_least_squares import RecursiveLeastSquares
-from .ridge import affine_weights, singular_vectors
+from .ridge import affine_weights, penalty_on_weights, singular_vectors
 
 Array = NDArray[np.float64]
 
-# Penalties tried by default, relative to the largest squared singular value: from the square of the states' rounding,
-# below which no direction is kept, up to where hardly anything is left.
-_RELATIVE_PENALTIES = np.logspace(-30, 0, 31)
+# Penalties tried by default: from the square of the states' rounding, below which no direction is kept, up to where
+# hardly anything is left even of the largest direction of a hundred features.
+_PENALTIES = np.logspace(-30, 2, 33)
 
 
 class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
@@ -29,14 +29,14 @@ class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     The penalty is chosen by the mean squared error of leave-one-out predictions, in closed form: all candidates cost
     one singular value decomposition. scikit-learn's ``RidgeCV`` does the same; this one is never solved through the
-    Gram matrix, takes its candidates from the singular values unless told, so that the unit of the states does not
-    matter, and guards against a leverage of 1.
+    Gram matrix, takes penalties relative to the states, so that their unit does not matter, and guards against a
+    leverage of 1.
 
     Parameters
     ----------
     penalty : float, sequence of float or None
-        Penalty on the squared weights, or candidates for it. None tries the powers of ten from 1e-30 to 1, times
-        the square of the states' largest singular value.
+        Penalty on the squared weights, or candidates for it, relative to the sum of squares of a typical feature as in
+        `fit_readout`. None tries the powers of ten from 1e-30 to 100.
     fit_intercept : bool
         Whether to learn an unpenalized constant beside the weights.
     per_output : bool
@@ -47,7 +47,7 @@ class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
     coef_ : ndarray of shape (features,) or (outputs, features)
     intercept_ : float or ndarray of shape (outputs,)
     penalty_ : float or ndarray of shape (outputs,)
-        The penalty that was used.
+        The penalty that was used, relative like `penalty`.
     leave_one_out_error_ : ndarray of shape (candidates, outputs)
         Mean squared error of each candidate; only if there was a choice.
     candidates_ : ndarray of shape (candidates,)
@@ -88,15 +88,18 @@ class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
         """
         x, targets = validate_data(self, X, y, multi_output=True, y_numeric=True, dtype=np.float64)
         columns = np.asarray(targets, dtype=np.float64).reshape(len(x), -1)
+        x = of_usual_size(unscaled := x)
         single = self.penalty is not None and np.ndim(self.penalty) == 0
         weights, constant, penalty = self._fit_one(x, columns) if single else self._fit_best(x, columns)
         coefficients, intercept = weights.T, constant - x[0] @ weights
+        if x is not unscaled:
+            coefficients = coefficients * (np.abs(x).max() / np.abs(unscaled).max())
         # As in scikit-learn, the axis of a single output that was given without one is dropped.
         flat = targets.ndim == 1
         self.coef_ = coefficients[0] if flat else coefficients
         self.intercept_ = 0.0 if not self.fit_intercept else intercept[0] if flat else intercept
         self.penalty_ = penalty
-        self._origin, self._constant = x[0].copy(), constant
+        self._origin, self._constant = unscaled[0].copy(), constant
         return self
 
     def predict(self, X: ArrayLike) -> Array:
@@ -126,10 +129,9 @@ class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
         offset = centre(x) if self.fit_intercept else None
         level = y.mean(axis=0) if self.fit_intercept else np.zeros(y.shape[1])
         left, singular, right = singular_vectors(x if offset is None else offset.states)
-        self.candidates_ = self._candidates(singular)
-        self.leave_one_out_error_ = _leave_one_out_errors(
-            left, singular, y - level, self.candidates_, self.fit_intercept
-        )
+        self.candidates_ = self._candidates()
+        penalties = self.candidates_ * penalty_on_weights(1.0, np.vecdot(singular, singular), x.shape[1])
+        self.leave_one_out_error_ = _leave_one_out_errors(left, singular, y - level, penalties, self.fit_intercept)
         error = self.leave_one_out_error_
         if not np.isfinite(error).any(axis=0).all():
             raise ValueError(
@@ -138,14 +140,14 @@ class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
             )
         best = np.nanargmin(error, axis=0) if self.per_output else np.full(y.shape[1], np.nanargmin(error.sum(axis=1)))
         chosen = self.candidates_[best]
-        shrunk = singular[:, None] / (singular[:, None] ** 2 + chosen)
+        shrunk = singular[:, None] / (singular[:, None] ** 2 + penalties[best])
         weights = right.T @ (shrunk * (left.T @ (y - level)))
         constant = x[0] @ weights if offset is None else level - offset.mean @ weights
         return weights, constant, chosen if self.per_output else float(chosen[0])
 
-    def _candidates(self, singular: Array) -> Array:
+    def _candidates(self) -> Array:
         if self.penalty is None:
-            return _RELATIVE_PENALTIES * (singular[0] ** 2 if singular.size else 1.0)
+            return _PENALTIES
         candidates = finite_array("penalty", self.penalty, 1)
         if candidates.min() < 0:
             raise ValueError(f"penalty must hold numbers in [0, inf), got {candidates.min()}")
@@ -155,13 +157,15 @@ class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
 class RecursiveLeastSquaresReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
     """Recursive least squares: a ridge readout that learns one sample after the other.
 
-    Without forgetting it is ridge regression on all samples so far, with the constant as a feature like any other
-    and so penalized too. The arithmetic is that of `RecursiveLeastSquares`, the readout of the environment's reward.
+    Without forgetting it is ridge regression on all samples so far, with the constant as a feature of a typical size
+    like any other, and so penalized too. The arithmetic is that of `RecursiveLeastSquares`, the readout of the
+    environment's reward.
 
     Parameters
     ----------
     ridge : float, in (0, inf)
-        Penalty on the squared weights, in squared units of the states.
+        Penalty on the squared weights: the number of samples that it weighs as much as, each of the root mean square
+        of the samples that were learned first.
     forgetting : float, in (0, 1]
         Factor by which a sample's influence shrinks with each later one.
     fit_intercept : bool
@@ -227,24 +231,26 @@ class RecursiveLeastSquaresReadout(MultiOutputMixin, RegressorMixin, BaseEstimat
 
     def _learn(self, X: ArrayLike, y: ArrayLike, fresh: bool) -> RecursiveLeastSquaresReadout:
         x, targets = validate_data(self, X, y, reset=fresh, multi_output=True, y_numeric=True, dtype=np.float64)
+        if fresh:
+            self._scale = float(np.sqrt(np.mean(x**2))) or 1.0
         features = self._features(x)
         columns = np.asarray(targets, dtype=np.float64).reshape(len(x), -1)
         if fresh:
             self._readout = RecursiveLeastSquares(
-                features.shape[1], columns.shape[1], ridge=self.ridge, forgetting=self.forgetting
+                features.shape[1], columns.shape[1], ridge=self.ridge, forgetting=self.forgetting, scale=self._scale
             )
         for row, target in zip(features, columns, strict=True):
             self._readout.learn(row, target)
         weights = self._readout.weights
         coefficients = weights[:, : x.shape[1]]
-        intercept = weights[:, -1] if self.fit_intercept else np.zeros(len(weights))
+        intercept = self._scale * weights[:, -1] if self.fit_intercept else np.zeros(len(weights))
         flat = targets.ndim == 1
         self.coef_ = coefficients[0].copy() if flat else coefficients.copy()
         self.intercept_ = float(intercept[0]) if flat else intercept.copy()
         return self
 
     def _features(self, x: Array) -> Array:
-        return np.column_stack([x, np.ones(len(x))]) if self.fit_intercept else x
+        return np.column_stack([x, np.full(len(x), self._scale)]) if self.fit_intercept else x
 
 
 def _leave_one_out_errors(left: Array, singular: Array, targets: Array, penalties: Array, fit_intercept: bool) -> Array:

@@ -98,8 +98,14 @@ def predict_then_learn(
 class RecursiveLeastSquares:
     """Linear readout without intercept, learned one sample at a time.
 
-    With ``forgetting=1`` the weights after any number of samples equal those of
-    ``fit_readout(..., ridge=ridge, fit_intercept=False)`` on the same samples.
+    With ``forgetting=1`` the weights after any number of samples are those of ridge regression on them without
+    intercept, the penalty on the squared weights being ``ridge * scale**2``.
+
+    With ``forgetting=f < 1`` the penalty would be forgotten too, and where features stop varying in some direction, as
+    collinear ones do, the covariance would grow without end until rounding decides. So the share 1 - f of it that is
+    lost at every step is given back, to one feature after the other: with N features one learns at each step that its
+    weight is 0, as from a sample ``sqrt((1 - f) N ridge) * scale`` of it alone. This is cyclic resetting [1]_. The
+    covariance stays below ``1 / (f^N ridge scale^2)`` for ever.
 
     Parameters
     ----------
@@ -108,16 +114,23 @@ class RecursiveLeastSquares:
     outputs : int
         Number of targets learned side by side.
     ridge : float, in (0, inf)
-        Penalty on the squared weights. Larger learns more cautiously from the first samples.
+        Number of samples that the penalty on the squared weights weighs as much as. Larger learns more cautiously from
+        the first samples.
     forgetting : float, in (0, 1]
         Factor by which a sample's influence shrinks with each later one: about 1 / (1 - forgetting) samples
-        count. Below 1 the features must keep varying in every direction, or the covariance grows without end.
+        count.
+    scale : float, in (0, inf), optional
+        Size of a typical feature. By default the root mean square over the features of the first sample that is not
+        zero, so that their unit does not matter.
 
     Attributes
     ----------
     weights : ndarray of shape (outputs, features)
     covariance : ndarray of shape (features, features)
-        Inverse of the (forgotten) sum of squared features plus the ridge penalty.
+        Inverse of the (forgotten) sum of squared features plus the penalty; until the scale is known, that of a
+        scale of 1.
+    scale : float or None
+        None until it is known.
 
     Raises
     ------
@@ -125,15 +138,31 @@ class RecursiveLeastSquares:
         If a size is not an integer.
     ValueError
         If an argument is out of range.
+
+    References
+    ----------
+    .. [1] B. Lai and D. S. Bernstein, "Exponential resetting and cyclic resetting recursive least squares", IEEE
+       Control Systems Letters 7, 985, 2023.
     """
 
-    def __init__(self, features: int, outputs: int, *, ridge: float = 1.0, forgetting: float = 1.0) -> None:
+    def __init__(
+        self,
+        features: int,
+        outputs: int,
+        *,
+        ridge: float = 1.0,
+        forgetting: float = 1.0,
+        scale: float | None = None,
+    ) -> None:
         features = whole_number("features", features, 1)
         outputs = whole_number("outputs", outputs, 1)
+        self.ridge = number_within("ridge", ridge, "(0, inf)")
         self.forgetting = number_within("forgetting", forgetting, "(0, 1]")
+        self.scale = None if scale is None else number_within("scale", scale, "(0, inf)")
         self.weights = np.zeros((outputs, features))
-        self.covariance = np.eye(features) / number_within("ridge", ridge, "(0, inf)")
+        self.covariance = np.eye(features) / (self.ridge * (self.scale or 1.0) ** 2)
         self._gain = np.empty(features)
+        self._renewed = 0
 
     def predict(self, features: ArrayLike) -> Array:
         """Predict the targets.
@@ -172,17 +201,26 @@ class RecursiveLeastSquares:
             If an array has another shape or is not finite; nothing is learned then.
         """
         outputs, size = self.weights.shape
-        prediction = np.empty(outputs)
-        predict_then_learn(
-            self.weights,
-            self.covariance,
-            _vector("features", features, size),
-            _vector("targets", targets, outputs),
-            self.forgetting,
-            prediction,
-            self._gain,
-        )
+        x, y = _vector("features", features, size), _vector("targets", targets, outputs)
+        prediction = np.zeros(outputs)
+        if self.scale is None:
+            if not x.any():
+                # Nothing is learned from a zero, and there is no scale to begin with.
+                return prediction
+            self.scale = float(np.linalg.norm(x) / np.sqrt(size))
+            self.covariance /= self.scale**2
+        predict_then_learn(self.weights, self.covariance, x, y, self.forgetting, prediction, self._gain)
+        if self.forgetting < 1:
+            self._renew_the_penalty()
         return prediction
+
+    def _renew_the_penalty(self) -> None:
+        outputs, size = self.weights.shape
+        one = np.zeros(size)
+        one[self._renewed] = np.sqrt((1 - self.forgetting) * size * self.ridge) * (self.scale or 1.0)
+        self._renewed = (self._renewed + 1) % size
+        nothing = np.zeros(outputs)
+        predict_then_learn(self.weights, self.covariance, one, nothing, 1.0, np.empty(outputs), self._gain)
 
 
 def _vector(name: str, value: ArrayLike, size: int) -> Array:

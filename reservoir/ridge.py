@@ -10,7 +10,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import finite_array, number_within
-from .orthonormal import Array, centre, repaired, whitening
+from .orthonormal import Array, centre, of_usual_size, repaired, whitening
 
 if TYPE_CHECKING:
     from .readouts import RidgeReadout
@@ -19,14 +19,39 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-9
 
 
+RIDGE = 1e-9
+"""The penalty unless another is chosen. A score that moves when it is ten times less is one that noise will take."""
+
+
+def penalty_on_weights(ridge: float, squares: float, features: int) -> float:
+    """Penalty on the squared weights, in squared units of the states: what every `ridge` here means.
+
+    ``ridge * squares / features``, the trace of the Gram matrix over its size being the sum of squares of a typical
+    feature. So a ridge has no unit, asks for no other value with more samples, and shrinks a weight as noise of that
+    share of the states' variance would, in every feature. One factor on all states changes no prediction.
+
+    Parameters
+    ----------
+    ridge : float, in [0, inf)
+    squares : float
+        Sum of the squares of all states, centred if there is an intercept.
+    features : int
+
+    Returns
+    -------
+    float
+    """
+    return ridge * squares / features
+
+
 def fit_readout(
-    states: ArrayLike, targets: ArrayLike, *, ridge: float = 1e-6, fit_intercept: bool = True
+    states: ArrayLike, targets: ArrayLike, *, ridge: float = RIDGE, fit_intercept: bool = True
 ) -> RidgeReadout:
     """Fit one readout for all targets in a single solve.
 
-    Without an intercept this is equation (11) of the paper, with the states R and the targets Y as columns::
+    Without an intercept this is equation (11) of the paper, with the N states R and the targets Y as columns::
 
-        W_out = Y R^T (R R^T + ridge I)^-1
+        W_out = Y R^T (R R^T + ridge tr(R R^T) / N I)^-1
 
     R R^T squares the condition number, and states sampled within one hold of the valve are close to collinear, so
     it is solved in an orthonormal basis of the states.
@@ -38,8 +63,8 @@ def fit_readout(
     targets : array_like of shape (samples,) or (samples, outputs)
         What the readout is to report at the same instants.
     ridge : float, in [0, inf)
-        Penalty on the squared weights, in squared units of `states`, not scaled by the number of samples.
-        Zero gives the least-squares solution of least norm.
+        Penalty on the squared weights, relative to the sum of squares of a typical feature (of its deviations, with an
+        intercept): see `penalty_on_weights`. Zero gives the least-squares solution of least norm.
     fit_intercept : bool
         Whether to learn an unpenalized constant beside the weights.
 
@@ -85,37 +110,38 @@ def states_and_targets(states: ArrayLike, targets: ArrayLike) -> tuple[Array, Ar
     return x, y
 
 
-def ridge_weights(x: Array, y: Array, ridge: float) -> Array:
-    """Minimize ``||x W - y||^2 + ridge ||W||^2``.
+def ridge_weights(x: Array, y: Array, penalty: float) -> Array:
+    """Minimize ``||x W - y||^2 + penalty ||W||^2``.
 
     Parameters
     ----------
     x : ndarray of shape (samples, features)
         Centred, if there is to be an intercept.
     y : ndarray of shape (samples, outputs)
-    ridge : float, in [0, inf)
+    penalty : float, in [0, inf)
+        In squared units of `x`.
 
     Returns
     -------
     ndarray of shape (features, outputs)
-        Of least norm where `ridge` is zero and several would do.
+        Of least norm where `penalty` is zero and several would do.
     """
     white = whitening(x.T @ x)
     if white is not None and white.nine_digits:
-        return whitened_weights(white.map, np.eye(x.shape[1]), white.map.T @ (x.T @ y), ridge)
+        return whitened_weights(white.map, np.eye(x.shape[1]), white.map.T @ (x.T @ y), penalty)
     found = repaired(x, white)
     if white is not None and found is not None:
         columns, triangle = found
-        return whitened_weights(white.map, triangle, columns.T @ y, ridge)
+        return whitened_weights(white.map, triangle, columns.T @ y, penalty)
     left, singular, right = singular_vectors(x)
-    weights: Array = right.T @ ((singular / (singular**2 + ridge))[:, None] * (left.T @ y))
+    weights: Array = right.T @ ((singular / (singular**2 + penalty))[:, None] * (left.T @ y))
     return weights
 
 
-def whitened_weights(to_white: Array, triangle: Array, projected: Array, ridge: float) -> Array:
+def whitened_weights(to_white: Array, triangle: Array, projected: Array, penalty: float) -> Array:
     """Ridge weights by way of nearly orthonormal columns ``Q = x M``, with ``Q^T Q = T^T T``.
 
-    They are M times the least-squares solution of T and sqrt(ridge) M, stacked: a small problem, and well conditioned.
+    They are M times the least-squares solution of T and sqrt(penalty) M, stacked: a small problem, well conditioned.
 
     Parameters
     ----------
@@ -125,14 +151,15 @@ def whitened_weights(to_white: Array, triangle: Array, projected: Array, ridge: 
         T, upper triangular.
     projected : ndarray of shape (features, outputs)
         Q^T y.
-    ridge : float, in [0, inf)
+    penalty : float, in [0, inf)
+        In squared units of `x`.
 
     Returns
     -------
     ndarray of shape (features, outputs)
     """
     stacked, factor = scipy.linalg.qr(
-        np.vstack([triangle, math.sqrt(ridge) * to_white]), mode="economic", check_finite=False
+        np.vstack([triangle, math.sqrt(penalty) * to_white]), mode="economic", check_finite=False
     )
     target = scipy.linalg.solve_triangular(triangle, projected, trans="T", check_finite=False)
     weights: Array = to_white @ scipy.linalg.solve_triangular(
@@ -164,13 +191,15 @@ def leave_one_out(states: Array, targets: Array, ridge: float, fit_intercept: bo
     """Predict every sample by a readout fitted on all the others, in closed form [1]_.
 
     With the prediction p of the readout fitted on all samples and its leverage h, the diagonal of the matrix that
-    maps targets to predictions, the readout fitted without sample k predicts it as ``y - (y - p) / (1 - h)``.
+    maps targets to predictions, the readout fitted without sample k predicts it as ``y - (y - p) / (1 - h)``. The
+    penalty on its weights is that of all samples.
 
     Parameters
     ----------
     states : ndarray of shape (samples, features)
     targets : ndarray of shape (samples, outputs)
     ridge : float, in [0, inf)
+        As in `fit_readout`.
     fit_intercept : bool
 
     Returns
@@ -184,7 +213,8 @@ def leave_one_out(states: Array, targets: Array, ridge: float, fit_intercept: bo
     """
     left, singular, _ = singular_vectors(centre(states).states if fit_intercept else states)
     mean = targets.mean(axis=0) if fit_intercept else 0.0
-    return left_out(left, singular**2 / (singular**2 + ridge), targets - mean, fit_intercept) + mean
+    penalty = penalty_on_weights(ridge, np.vecdot(singular, singular), states.shape[1])
+    return left_out(left, singular**2 / (singular**2 + penalty), targets - mean, fit_intercept) + mean
 
 
 def left_out(left: Array, kept: Array, targets: Array, fit_intercept: bool) -> Array:
@@ -231,7 +261,7 @@ def predict_held_out(
     targets: ArrayLike,
     *,
     holdout: float = 0.5,
-    ridge: float = 1e-6,
+    ridge: float = RIDGE,
     fit_intercept: bool = True,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Fit the readout on the first samples and predict the last ones, which it has never seen.
@@ -260,8 +290,9 @@ def predict_held_out(
         If an argument is invalid, or there are fewer training samples than features.
     """
     x, y = states_and_targets(states, targets)
+    x = of_usual_size(x)
     holdout = number_within("holdout", holdout, "(0, 1)")
-    penalty = number_within("ridge", ridge, "[0, inf)")
+    ridge = number_within("ridge", ridge, "[0, inf)")
     samples, features = x.shape
     needed = samples_needed(features, holdout)
     if samples < needed:
@@ -269,7 +300,7 @@ def predict_held_out(
             f"states must have at least {needed} samples for {features} features and holdout={holdout}, got {samples}"
         )
     train = training_samples(samples, holdout)
-    weights, constant = affine_weights(x[:train], y[:train].reshape(train, -1), penalty, fit_intercept)
+    weights, constant = affine_weights(x[:train], y[:train].reshape(train, -1), ridge, fit_intercept)
     # Moved before it is multiplied, or the digits of a large offset would cancel after.
     prediction = (x[train:] - x[0]) @ weights + constant
     return prediction.reshape(y[train:].shape), y[train:]
@@ -283,6 +314,7 @@ def affine_weights(x: Array, y: Array, ridge: float, fit_intercept: bool) -> tup
     x : ndarray of shape (samples, features)
     y : ndarray of shape (samples, outputs)
     ridge : float, in [0, inf)
+        As in `fit_readout`.
     fit_intercept : bool
         If not, the readout is linear: its constant is ``x[0] @ weights``.
 
@@ -292,10 +324,11 @@ def affine_weights(x: Array, y: Array, ridge: float, fit_intercept: bool) -> tup
     constant : ndarray of shape (outputs,)
     """
     if not fit_intercept:
-        weights = ridge_weights(x, y, ridge)
+        weights = ridge_weights(x, y, penalty_on_weights(ridge, np.vdot(x, x), x.shape[1]))
         return weights, x[0] @ weights
     moved, level = centre(x), y.mean(axis=0)
-    weights = ridge_weights(moved.states, y - level, ridge)
+    penalty = penalty_on_weights(ridge, np.vdot(moved.states, moved.states), x.shape[1])
+    weights = ridge_weights(moved.states, y - level, penalty)
     return weights, level - moved.mean @ weights
 
 

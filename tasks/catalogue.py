@@ -76,5 +76,6 @@ targets are uncorrelated, so the capacities of a reservoir sum to its number of 
 bits of height 0.2, or uniformly from [0, 0.5]. Mackey-Glass is to be foretold by 84 units of time and Lorenz's x by
 0.5. Of an NRMSE less is better, and 1 is what the mean scores; of an accuracy more, and 0.5 is chance. All are scored
 on the second half of what the washout leaves, by a readout fitted on the first: with a penalty chosen there by leaving
-samples out one by one, or for capacities, whose readouts are as many as the delays, with a fixed one of 1e-6.
+samples out one by one, or for capacities, whose readouts are as many as the delays, with a fixed one of 1e-9 of the
+states' variance.
 """

@@ -170,6 +170,17 @@ def test_neither_units_nor_mixing_nor_copies_of_states_matter(seed, power):
     np.testing.assert_allclose(other.capacity, reference.capacity, atol=1e-6)
 
 
+@pytest.mark.parametrize("threshold", ["chi-squared", "surrogates"])
+def test_one_factor_on_all_states_changes_nothing(threshold):
+    u = bits(1000)
+    states = EchoStateNetwork(5, input_scaling=0.8).states(u)
+    one = information_processing_capacity(states, u, delays=8, threshold=threshold)
+    for power in (-600, -20, 500):
+        other = information_processing_capacity(2.0**power * states, u, delays=8, threshold=threshold)
+        np.testing.assert_array_equal(other.capacity, one.capacity)
+        assert (other.terms, other.rank) == (one.terms, one.rank)
+
+
 @pytest.mark.parametrize(("degree", "latest", "highest"), [(1, 0, 1), (3, 6, 1), (3, 4, 3), (5, 3, 2), (2, 0, 1)])
 def test_terms_are_counted_and_come_once(degree, latest, highest):
     found = list(terms(degree, latest, highest))

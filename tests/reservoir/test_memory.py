@@ -156,14 +156,16 @@ def test_left_out_one_by_one_is_left_out_one_by_one():
     e = message(60)
     states = delay_line(e, 3) + np.random.default_rng(0).normal(size=(60, 3))
     rows = np.arange(10, 60)
+    squares = np.sum((states[rows] - states[rows].mean(axis=0)) ** 2)
     prediction = np.empty((50, 2))
     for column, delay in enumerate((0, 4)):
         for k in rows:
             others = rows[rows != k]
-            readout = fit_readout(states[others], e[others - delay], ridge=0.5)
+            same = 0.01 * squares / np.sum((states[others] - states[others].mean(axis=0)) ** 2)
+            readout = fit_readout(states[others], e[others - delay], ridge=same)
             prediction[k - 10, column] = readout.predict(states[[k]])[0]
     target = np.column_stack([e[rows], e[rows - 4]])
-    memory = memory_capacity(states, e, [0, 4], washout=10, ridge=0.5, scoring="leave one out")
+    memory = memory_capacity(states, e, [0, 4], washout=10, ridge=0.01, scoring="leave one out")
     np.testing.assert_allclose(memory.profile, squared_correlation(prediction, target), atol=1e-12)
 
 
@@ -241,6 +243,27 @@ def test_neither_order_nor_mixing_of_states_matters(seed, power):
     other = memory_capacity(states[:, ::-1] @ mixing - 3, -2 * e + 1, 6, ridge=0)
     assert other.bound == reference.bound
     np.testing.assert_allclose(other.profile, reference.profile, atol=1e-8)
+
+
+@pytest.mark.parametrize("scoring", ["held out", "leave one out"])
+@pytest.mark.parametrize("spread", [1, 1e-4, 1e-12])
+@pytest.mark.parametrize("ridge", [0, 1e-9, 0.1])
+def test_one_factor_on_all_states_changes_nothing(ridge, spread, scoring):
+    """To the bit where it is a power of two, by whichever way the readout is solved; volts or metres, nine digits."""
+    e = message(1200)
+    states = (delay_line(e, 5) + 0.3 * np.random.default_rng(0).normal(size=(1200, 5))) * np.geomspace(1, spread, 5) + 2
+    arguments = {"ridge": ridge, "scoring": scoring, "resamples": 20}
+    one = memory_capacity(states, e, 8, **arguments)
+    for power in (-600, -20, 3, 500):
+        other = memory_capacity(2.0**power * states, e, 8, **arguments)
+        np.testing.assert_array_equal(other.profile, one.profile)
+        np.testing.assert_array_equal(other.cutoff, one.cutoff)
+        assert (other.bound, other.total_interval) == (one.bound, one.total_interval)
+    for factor in (1e-6, 1e3, 1e-200):
+        other = memory_capacity(factor * states, e, 8, **arguments)
+        # A direction of 1e-12 of the states' size has four digits, and a factor moves its rounding.
+        np.testing.assert_allclose(other.profile, one.profile, rtol=0, atol=1e-9 if spread > 1e-12 else 1e-3)
+        assert other.bound == one.bound
 
 
 def test_a_message_that_stops_is_refused_where_it_would_be_scored():

@@ -1,5 +1,8 @@
+from itertools import product
+
 import numpy as np
 import pytest
+from sklearn.base import clone
 from sklearn.linear_model import RidgeCV
 from sklearn.model_selection import cross_val_score, GridSearchCV, TimeSeriesSplit
 from sklearn.pipeline import make_pipeline
@@ -34,10 +37,16 @@ def data(samples=60, features=5, outputs=3, seed=0):
 @pytest.mark.parametrize("ridge", [0.0, 0.1, 30.0])
 def test_leaving_one_out_in_closed_form_is_leaving_one_out(ridge, fit_intercept):
     x, y = data(30)
-    expected = [
-        fit_readout(np.delete(x, k, 0), np.delete(y, k, 0), ridge=ridge, fit_intercept=fit_intercept).predict(x[[k]])[0]
-        for k in range(30)
-    ]
+
+    def squares(x):
+        return np.sum((x - x.mean(axis=0) * fit_intercept) ** 2)
+
+    def without(k):
+        rest = np.delete(x, k, 0)
+        same = ridge * squares(x) / squares(rest)
+        return fit_readout(rest, np.delete(y, k, 0), ridge=same, fit_intercept=fit_intercept).predict(x[[k]])[0]
+
+    expected = [without(k) for k in range(30)]
     np.testing.assert_allclose(leave_one_out(x, y, ridge, fit_intercept), expected, atol=1e-10)
 
 
@@ -46,27 +55,44 @@ def test_leaving_one_out_in_closed_form_is_leaving_one_out(ridge, fit_intercept)
 def test_the_penalty_is_that_of_scikit_learns_generalized_cross_validation(per_output, fit_intercept):
     x, y = data()
     candidates = np.geomspace(1e-3, 1e3, 13)
-    judge = RidgeCV(candidates, fit_intercept=fit_intercept, alpha_per_target=per_output).fit(x, y)
+    unit = np.sum((x - x.mean(axis=0) * fit_intercept) ** 2) / x.shape[1]
+    judge = RidgeCV(unit * candidates, fit_intercept=fit_intercept, alpha_per_target=per_output).fit(x, y)
     readout = RidgeReadout(candidates, fit_intercept=fit_intercept, per_output=per_output).fit(x, y)
-    np.testing.assert_array_equal(readout.penalty_, judge.alpha_)
+    np.testing.assert_allclose(unit * readout.penalty_, judge.alpha_)
     np.testing.assert_allclose(readout.coef_, judge.coef_, atol=1e-8)
     np.testing.assert_allclose(readout.intercept_, judge.intercept_, atol=1e-8)
     assert readout.leave_one_out_error_.shape == (13, 3)
 
 
-def test_the_penalty_follows_the_unit_of_the_states():
+# Recursive least squares holds the inverse of the states' squares, which must be a number.
+@pytest.mark.parametrize(
+    ("readout", "factor"),
+    [
+        *product(
+            [RidgeReadout(), RidgeReadout(0.1), RidgeReadout([1e-3, 0.1], fit_intercept=False)],
+            [2.0**-700, 1e-8, 3.0, 2.0**20, 1e250],
+        ),
+        *product(
+            [RecursiveLeastSquaresReadout(), RecursiveLeastSquaresReadout(fit_intercept=False, forgetting=0.9)],
+            [1e-8, 3.0, 2.0**20],
+        ),
+    ],
+    ids=str,
+)
+def test_the_unit_of_the_states_does_not_matter(readout, factor):
+    """To the bit, where the factor is a power of two."""
     x, y = data()
-    one, other = RidgeReadout().fit(x, y), RidgeReadout().fit(1e-8 * x, y)
-    assert other.penalty_ == pytest.approx(1e-16 * one.penalty_)
-    np.testing.assert_allclose(other.predict(1e-8 * x), one.predict(x), atol=1e-9)
+    one, other = clone(readout).fit(x, y).predict(x), clone(readout).fit(factor * x, y).predict(factor * x)
+    exact = np.frexp(factor)[0] == 0.5
+    np.testing.assert_allclose(other, one, rtol=0, atol=0 if exact else 1e-9)
 
 
 def test_a_noisy_target_is_penalized_and_a_clean_one_is_not():
     x, y = data(40, 30, 1)
     noise = np.random.default_rng(5).normal(size=(40, 1))
     readout = RidgeReadout(per_output=True).fit(x, np.hstack([y, noise]))
-    assert readout.penalty_[0] < 1e-2
-    assert readout.penalty_[1] > 10
+    assert readout.penalty_[0] < 1e-3
+    assert readout.penalty_[1] > 0.1
 
 
 def test_collinear_states_keep_their_digits_where_the_gram_matrix_would_lose_them():
@@ -100,14 +126,20 @@ def test_bad_penalties():
 
 def test_recursive_least_squares_is_the_ridge_of_all_samples_so_far():
     x, y = data()
+
+    def judge(x, y, penalty):
+        return np.linalg.solve(x.T @ x + penalty * np.eye(x.shape[1]), x.T @ y)
+
     readout = RecursiveLeastSquaresReadout(0.5, fit_intercept=False)
-    for part in (slice(0, 1), slice(1, 20), slice(20, 60)):
+    penalty = 0.5 * np.mean(x[:2] ** 2)
+    for part in (slice(0, 2), slice(2, 20), slice(20, 60)):
         readout.partial_fit(x[part], y[part])
-        judge = fit_readout(x[: part.stop], y[: part.stop], ridge=0.5, fit_intercept=False)
-        np.testing.assert_allclose(readout.coef_, judge.coef_, atol=1e-10)
+        np.testing.assert_allclose(readout.coef_.T, judge(x[: part.stop], y[: part.stop], penalty), atol=1e-10)
     constant = RecursiveLeastSquaresReadout(0.5).fit(x, y)
-    judge = fit_readout(np.column_stack([x, np.ones(60)]), y, ridge=0.5, fit_intercept=False)
-    np.testing.assert_allclose(np.column_stack([constant.coef_, constant.intercept_]), judge.coef_, atol=1e-10)
+    scale = np.sqrt(np.mean(x**2))
+    expected = judge(np.column_stack([x, np.full(60, scale)]), y, 0.5 * scale**2)
+    expected[-1] *= scale
+    np.testing.assert_allclose(np.column_stack([constant.coef_, constant.intercept_]).T, expected, atol=1e-10)
 
 
 def test_they_work_in_pipelines_and_searches():

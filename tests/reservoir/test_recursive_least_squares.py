@@ -18,18 +18,57 @@ def test_after_any_prefix_it_is_the_batch_ridge_solution(features, outputs, ridg
     readout = RecursiveLeastSquares(features, outputs, ridge=ridge)
     for k in range(40):
         readout.learn(x[k], y[k])
-        batch = fit_readout(x[: k + 1], y[: k + 1], ridge=ridge, fit_intercept=False)
+        seen = x[: k + 1]
+        relative = ridge * np.sum(x[0] ** 2) / np.sum(seen**2)
+        batch = fit_readout(seen, y[: k + 1], ridge=relative, fit_intercept=False)
         np.testing.assert_allclose(readout.weights, np.atleast_2d(batch.coef_), rtol=0, atol=1e-9)
 
 
-def test_forgetting_weighs_samples_geometrically():
+def test_forgetting_weighs_samples_geometrically_and_keeps_the_penalty():
     x, y = stream(50, 3, 2)
-    readout = RecursiveLeastSquares(3, 2, ridge=0.5, forgetting=0.9)
+    readout = RecursiveLeastSquares(3, 2, ridge=0.5, forgetting=0.9, scale=2.0)
     for row, target in zip(x, y, strict=True):
         readout.learn(row, target)
     weight = 0.9 ** np.arange(49, -1, -1)
-    gram = (x * weight[:, None]).T @ x + 0.5 * 0.9**50 * np.eye(3)
+    renewed = [weight[feature::3].sum() * 0.1 * 3 for feature in range(3)]
+    assert np.abs(np.add(renewed, 0.9**50) - 1).max() < 0.15
+    gram = (x * weight[:, None]).T @ x + 0.5 * 4 * np.diag(np.add(renewed, 0.9**50))
     np.testing.assert_allclose(readout.weights, np.linalg.solve(gram, (x * weight[:, None]).T @ y).T, rtol=0, atol=1e-9)
+
+
+def test_collinear_features_and_forgetting_do_not_run_away():
+    """Without its penalty renewed it predicted 4096 at step 10,300, for a target of the order of 1."""
+    rng = np.random.default_rng(0)
+    for forgetting in (0.9, 0.99, 0.999):
+        readout = RecursiveLeastSquares(4, 1, ridge=1e-3, forgetting=forgetting, scale=1.0)
+        z = rng.normal(size=20_000)
+        worst = max(abs(readout.learn([each, 2 * each, -each, 1.0], [each])[0] - each) for each in z)
+        assert worst < 10
+        assert np.linalg.eigvalsh(readout.covariance)[-1] < 1 / (forgetting**4 * 1e-3)
+        assert np.linalg.eigvalsh(readout.covariance)[0] > 0
+
+
+def test_a_feature_that_stops_is_not_forgotten_for_ever():
+    """The penalty's prediction of it is 0 then, and what comes after is learned anew."""
+    readout = RecursiveLeastSquares(2, 1, forgetting=0.9, scale=1.0)
+    rng = np.random.default_rng(0)
+    for x in rng.normal(size=(5000, 2)) * [1, 0]:
+        readout.learn(x, [x[0]])
+    assert np.linalg.eigvalsh(readout.covariance)[-1] < 1 / 0.9**2
+    for x in rng.normal(size=(200, 2)):
+        readout.learn(x, [x[0] - 3 * x[1]])
+    np.testing.assert_allclose(readout.weights[0], [1, -3], atol=0.5)
+
+
+@pytest.mark.parametrize("forgetting", [1.0, 0.95])
+def test_the_unit_of_the_features_does_not_matter(forgetting):
+    x, y = stream(300, 3, 2)
+    x[:5] = 0
+    one, other, odd = (RecursiveLeastSquares(3, 2, ridge=0.1, forgetting=forgetting) for _ in range(3))
+    for row, target in zip(x, y, strict=True):
+        expected = one.learn(row, target)
+        np.testing.assert_array_equal(other.learn(2.0**-40 * row, target), expected)
+        np.testing.assert_allclose(odd.learn(1e9 * row, target), expected, rtol=0, atol=1e-9)
 
 
 def test_it_predicts_before_it_learns():
@@ -58,6 +97,7 @@ def test_the_covariance_stays_symmetric_and_positive_over_a_long_collinear_strea
         ({"outputs": 1.0}, TypeError, "outputs must be a whole number >= 1, got 1.0"),
         ({"ridge": 0}, ValueError, r"ridge must be in \(0, inf\), got 0"),
         ({"ridge": "1"}, TypeError, r"ridge must be a number in \(0, inf\), got '1'"),
+        ({"scale": 0}, ValueError, r"scale must be in \(0, inf\), got 0"),
         ({"forgetting": 1.1}, ValueError, r"forgetting must be in \(0, 1\], got 1.1"),
         ({"forgetting": np.nan}, ValueError, r"forgetting must be in \(0, 1\], got nan"),
     ],

@@ -18,7 +18,8 @@ def data():
 def test_without_intercept_it_is_equation_11(data, ridge):
     states, targets = data
     R, Y = states.T, targets.T
-    expected = Y @ R.T @ np.linalg.inv(R @ R.T + ridge * np.eye(5))
+    gram = R @ R.T
+    expected = Y @ R.T @ np.linalg.inv(gram + ridge * gram.trace() / 5 * np.eye(5))
     readout = fit_readout(states, targets, ridge=ridge, fit_intercept=False)
     np.testing.assert_allclose(readout.coef_, expected, rtol=1e-10)
     assert not np.any(readout.intercept_)
@@ -28,6 +29,16 @@ def test_the_intercept_is_not_penalized(data):
     states, targets = data
     shifted = fit_readout(states, targets + 1e3, ridge=10.0)
     np.testing.assert_allclose(shifted.coef_, fit_readout(states, targets, ridge=10.0).coef_, atol=1e-10)
+
+
+@pytest.mark.parametrize("fit_intercept", [True, False])
+def test_more_samples_of_the_same_ask_for_no_other_ridge(data, fit_intercept):
+    states, targets = data
+    once, thrice = (
+        fit_readout(np.tile(states, (n, 1)), np.tile(targets, (n, 1)), ridge=0.3, fit_intercept=fit_intercept)
+        for n in (1, 3)
+    )
+    np.testing.assert_allclose(thrice.coef_, once.coef_, rtol=1e-9)
 
 
 def test_collinear_states_keep_their_digits():
