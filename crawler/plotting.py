@@ -102,7 +102,7 @@ def plot_trajectory(trajectory: Trajectory) -> Figure:
 
 def _slides(trajectory: Trajectory) -> Iterator[tuple[float, float]]:
     """Start and end of every spell in which the foot slides."""
-    start: float | None = None
+    start = 0.0 if trajectory.initial.foot_velocity != 0.0 else None
     for time, motion, _ in trajectory.events.tolist():
         if start is not None:
             yield start, time

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -90,7 +91,8 @@ def simulate(
         raise ValueError(f"solver must be one of {[AUTO, *SOLVERS]}, got {solver!r}")
     samples_per_hold = whole_number("samples_per_hold", samples_per_hold, 1)
     crawlers, schedule, single = _batch(groups, valve)
-    body, stretches = _start(REST if initial is None else initial, scene)
+    start = REST if initial is None else initial
+    body, stretches = _start(start, scene)
 
     batch, holds = schedule.shape
     budget = (MAX_STEPS + STEPS_A_HOLD * holds) // max(1, scene.segments // _SEGMENTS_A_STEP)
@@ -151,6 +153,8 @@ def simulate(
         friction_loss=shaped(friction),
         hold=hold,
         model=_model(scene, solvers),
+        groups=crawlers[0] if single else tuple(crawlers),
+        initial=deepcopy(start),
     )
 
 

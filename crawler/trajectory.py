@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from typing import Any, TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from .actuator import Actuator
 from .body import ChainState, State
+from .groups import Groups
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,8 +22,11 @@ EVENT = np.dtype([("time", np.float64), ("motion", np.int8), ("crawler", np.int6
 """One change of the foot's motion: its time, the motion that begins (0 sticks, 1 slides forward, -1 backward), and
 the crawler's place in the batch (0 for one)."""
 
+# Relative; the groups that are made of SI numbers take a dozen roundings.
+_ROUNDING = 1e-12
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """Sampled motion of one crawler, or of a batch.
 
@@ -55,6 +60,10 @@ class Trajectory:
     hold : float
     model : str
         What was integrated, and by which solver.
+    groups : Groups or tuple of Groups
+        That were simulated, one a crawler of a batch.
+    initial : State or ChainState
+        Where the motion began, in the units of the arrays.
     actuator : Actuator or None
         Whose SI units the arrays are in; None for natural units.
     """
@@ -76,7 +85,28 @@ class Trajectory:
     friction_loss: Any
     hold: float
     model: str
+    groups: Groups | tuple[Groups, ...]
+    initial: State | ChainState
     actuator: Actuator | None = None
+
+    def __repr__(self) -> str:
+        holds, samples = self.valve.shape[-1], len(self.time)
+        length, time, energy = ("z_c", "t_c", "P_max A_0 z_c") if self.actuator is None else ("m", "s", "J")
+        members = [self.groups] if isinstance(self.groups, Groups) else self.groups
+        kinds = list(dict.fromkeys(members))
+        crawlers = "one crawler" if isinstance(self.groups, Groups) else f"{len(members)} crawlers"
+        units = "natural units" if self.actuator is None else "SI"
+        lines = (
+            f"Trajectory of {crawlers} in {units}: {holds} holds of {self.hold:.6g} {time}, "
+            f"{samples // holds} samples a hold",
+            f"  groups  {kinds[0]}" + (f" and {len(kinds) - 1} more" if len(kinds) > 1 else ""),
+            f"  model   {self.model}",
+            f"  foot    at {_spread(self.foot[..., -1])} {length} after {_spread(self.slips)} slips",
+            f"  energy  work {_spread(self.work)}, stored {_spread(self.stored)}, viscous loss "
+            f"{_spread(self.viscous_loss)}, friction loss {_spread(self.friction_loss)}, residual "
+            f"{_spread(self.energy_residual)} {energy}",
+        )
+        return "\n".join(lines)
 
     @property
     def payload(self) -> NDArray[np.float64]:
@@ -116,7 +146,7 @@ class Trajectory:
         Parameters
         ----------
         actuator : Actuator
-            Whose scales to use; its groups should be those that were simulated.
+            Whose scales to use; its groups are those that were simulated, but for roundings.
 
         Returns
         -------
@@ -127,12 +157,13 @@ class Trajectory:
         TypeError
             If `actuator` is none.
         ValueError
-            If the trajectory is in SI already.
+            If the trajectory is in SI already, or of other groups than the actuator's; the message names one.
         """
         if not isinstance(actuator, Actuator):
             raise TypeError(f"actuator must be an Actuator, got {actuator!r}")
         if self.actuator is not None:
             raise ValueError("trajectory is in SI already; in_si takes one in natural units")
+        self._refuse_other(actuator.groups)
         scales = actuator.scales
         factor = {
             "time": scales.time,
@@ -151,8 +182,23 @@ class Trajectory:
             values[name] = values[name] * scale
         values["events"] = self.events.copy()
         values["events"]["time"] *= scales.time
+        start = self.initial._asdict()
+        values["initial"] = type(self.initial)(
+            **{name: np.multiply(start[name], factor[name]).tolist() for name in start}
+        )
         values["actuator"] = actuator
         return Trajectory(**values)
+
+    def _refuse_other(self, groups: Groups) -> None:
+        members = (self.groups,) if isinstance(self.groups, Groups) else self.groups
+        for index, simulated in enumerate(members):
+            for name, value in groups.to_dict().items():
+                own = getattr(simulated, name)
+                if not math.isclose(value, own, rel_tol=_ROUNDING):
+                    where = "" if len(members) == 1 else f" of crawler {index}"
+                    raise ValueError(
+                        f"actuator must have the groups that were simulated, {name} = {own!r}{where}, got {value!r}"
+                    )
 
     def plot(self) -> Figure:
         """Foot, payload, valve and pressure against time, as in the paper's Figure 1.
@@ -169,3 +215,9 @@ class Trajectory:
         from .plotting import plot_trajectory  # matplotlib is optional, and slow to import
 
         return plot_trajectory(self)
+
+
+def _spread(values: Any) -> str:
+    """One number, or the least and the greatest of several."""
+    low, high = np.min(values), np.max(values)
+    return f"{low:.6g}" if np.ndim(values) == 0 or low == high else f"{low:.6g} to {high:.6g}"

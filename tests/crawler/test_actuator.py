@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cases import run, WORD
 
-from stickslip.crawler import Actuator, Groups, PRESETS, Trajectory
+from stickslip.crawler import Actuator, ChainState, Groups, PRESETS, REST, simulate, State, Trajectory
 
 BY_HAND = {
     "payload_mass": 0.3,
@@ -243,6 +243,17 @@ def test_a_trajectory_in_si_is_scaled_throughout():
     assert natural.events["time"][-1] <= natural.time[-1]
 
 
+SI_FIELD_OF = {
+    "cubic_stiffness": "duffing",
+    "damping": "damping_ratio",
+    "lag": "deborah",
+    "radial_coupling": "radial_coupling",
+    "payload_mass": "damping_ratio",
+    "static_friction": "static_friction",
+    "gravity": "static_friction",
+}
+
+
 def test_in_si_obeys_newton():
     # While the foot sticks, the payload's acceleration in SI is the force in SI over its mass.
     actuator = Actuator(**BY_HAND)
@@ -253,6 +264,48 @@ def test_in_si_obeys_newton():
     assert not fine.slips
     acceleration = np.gradient(v, fine.time)[1:-1]
     np.testing.assert_allclose(actuator.payload_mass * acceleration, force[1:-1], rtol=1e-3, atol=1e-6)
+
+
+def test_in_si_refuses_an_actuator_of_other_groups():
+    actuator = Actuator(**BY_HAND)
+    done = run(actuator.groups, WORD, 1.0)
+    for name, group in SI_FIELD_OF.items():
+        other = replace(actuator, **{name: 1.001 * getattr(actuator, name)})
+        with pytest.raises(ValueError, match=f"actuator must have the groups that were simulated, {group} = "):
+            done.in_si(other)
+
+
+def test_in_si_takes_another_actuator_of_the_same_groups_but_for_roundings():
+    actuator = Actuator(**BY_HAND)
+    done = run(actuator.groups, WORD, 1.0)
+    # Everything twice as heavy, stiff and strong: the same motion.
+    doubled = ["payload_mass", "foot_mass", "stiffness", "cubic_stiffness", "damping", "peak_pressure"]
+    twice = replace(actuator, **{name: 2.0 * getattr(actuator, name) for name in doubled})
+    assert done.in_si(twice).work == pytest.approx(2.0 * done.in_si(actuator).work)
+    rounded = replace(actuator.groups, duffing=float(np.nextafter(actuator.groups.duffing, 1.0)))
+    run(rounded, WORD, 1.0).in_si(actuator)
+
+
+def test_in_si_looks_at_every_crawler_of_a_batch():
+    actuator = Actuator(**BY_HAND)
+    simulate([actuator, actuator.groups], WORD, 1.0).in_si(actuator)
+    with pytest.raises(ValueError, match=r"groups that were simulated, deborah = 0\.7 of crawler 1, got 0\.474"):
+        simulate([actuator, replace(actuator.groups, deborah=0.7)], WORD, 1.0).in_si(actuator)
+
+
+def test_the_start_is_kept_and_scaled():
+    actuator = Actuator(**BY_HAND)
+    length, time, _, pressure = actuator.scales
+    factors = [length, length / time, pressure, length, length / time]
+    start = State(0.1, 0.2, 0.3, 0.4, 0.5)
+    done = simulate(actuator, WORD, 1.0, initial=start)
+    assert done.initial == start
+    assert done.in_si(actuator).initial == pytest.approx([a * b for a, b in zip(start, factors, strict=True)])
+    chain = ChainState([0.1, 0.2], [0.0, 0.3], 0.5)
+    done = simulate(actuator, WORD, 1.0, scene={"segments": 2, "tube_mass": 0.2}, initial=chain).in_si(actuator)
+    assert done.initial.segment_deformation == pytest.approx([0.1 * length, 0.2 * length])
+    assert done.initial.pressure == pytest.approx(0.5 * pressure)
+    assert run(Groups(), WORD, 1.0).initial == REST
 
 
 def test_in_si_twice_is_refused():
