@@ -7,16 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled, merged
+from ..crawler import Groups
 from ..crawler.body import Body, Physics
 from ..crawler.control import Control, FINISHED, Method, METHODS
 from ..crawler.lanes import advance_lanes
 from ..lanes import aligned_zeros, LANES
 from ..reservoir.prequential_lanes import Readouts, score_lanes
-from .settings import FLIPS
+from .settings import COUNTS, FLIPS, NUMBERS
 
 __all__ = ["STEP_BATCH", "Batch", "Results", "Reward", "batch_of"]
 
-_FOOT, _SLIPS = 3, 6
+_FOOT, _SLIPS = 3, 6  # in `Body`
+_SPEED, _MEMORY, _DISTANCE, _INNOVATION = range(len(NUMBERS))
+_VALVE, _SLIPS_SO_FAR = range(len(COUNTS))
 Array = NDArray[np.float64]
 
 
@@ -40,12 +43,8 @@ class Results(NamedTuple):
     observations: NDArray[np.float32]  # (n, 5)
     rewards: Array
     truncations: NDArray[np.bool_]
-    speed: Array
-    memory: Array
-    distance: Array
-    valve: NDArray[np.int64]
-    innovation: Array
-    slips: NDArray[np.int64]
+    numbers: Array  # (NUMBERS, the groups and the slope, n)
+    counts: NDArray[np.int64]  # (COUNTS, n)
     statuses: NDArray[np.int8]
     elapsed: Array
 
@@ -73,8 +72,16 @@ def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
         aligned_zeros(width),
         np.zeros(count, np.int64),
     )
-    kinds = (float, bool, float, float, float, int, float, int, np.int8, float)
-    return batch, Results(np.zeros((count, 5), np.float32), *(np.zeros(count, kind) for kind in kinds))
+    results = Results(
+        np.zeros((count, 5), np.float32),
+        np.zeros(count),
+        np.zeros(count, np.bool_),
+        np.zeros((len(NUMBERS) + len(Groups.__slots__) + 1, count)),
+        np.zeros((len(COUNTS), count), np.int64),
+        np.zeros(count, np.int8),
+        np.zeros(count),
+    )
+    return batch, results
 
 
 @merged
@@ -139,7 +146,7 @@ def _step_batch(
             batch.valves[i] = valve
             batch.starts[i] = batch.bodies[_FOOT, i]
             batch.scores[i] = valve - abs(commands[i] - dither)
-            results.innovation[i] = batch.scores[i]
+            results.numbers[_INNOVATION, i] = batch.scores[i]
     control = Control(tolerance, order, max_steps, False, False, method)
     advance_lanes(
         batch.bodies,
@@ -179,11 +186,11 @@ def _step_batch(
         batch.steps[i] += 1
         results.rewards[i] = (1.0 - reward.memory_weight) * speed + reward.memory_weight * memory
         results.truncations[i] = batch.steps[i] >= reward.longest
-        results.speed[i] = speed
-        results.memory[i] = memory
-        results.distance[i] = foot
-        results.valve[i] = batch.valves[i]
-        results.slips[i] = int(batch.bodies[_SLIPS, i])
+        results.numbers[_SPEED, i] = speed
+        results.numbers[_MEMORY, i] = memory
+        results.numbers[_DISTANCE, i] = foot
+        results.counts[_VALVE, i] = batch.valves[i]
+        results.counts[_SLIPS_SO_FAR, i] = int(batch.bodies[_SLIPS, i])
 
 
 def _stepper(method: type[Method]) -> Callable[..., None]:

@@ -17,7 +17,7 @@ from ..crawler.simulation import solver_error
 from ..reservoir.prequential import PrequentialMemory
 from .calibration import calibrated_memory
 from .rendering import Frame, Renderer
-from .settings import FLIPS, Settings, told
+from .settings import begun, FLIPS, Settings
 from .stepping import calibration_states, rest, stepper_for
 
 __all__ = ["StickSlipCrawlerEnv"]
@@ -51,15 +51,15 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
 
     ## Observation Space
 
-    `Box` of shape `(5,)` and dtype `float32`, the state at the end of the hold. Bounds of plus or minus the largest
-    float32 mean that the physics sets none.
+    `Box` of shape `(5,)` and dtype `float32`, the state at the end of the hold. Bounds are infinite where the physics
+    sets none.
 
     | Num | Observation                           | Min    | Max     | Unit      |
     |-----|---------------------------------------|--------|---------|-----------|
-    | 0   | deformation z of the body             | -3.4e38 | 3.4e38 | z_c       |
-    | 1   | rate v of the deformation             | -3.4e38 | 3.4e38 | z_c / t_c |
+    | 0   | deformation z of the body             | -Inf   | Inf     | z_c       |
+    | 1   | rate v of the deformation             | -Inf   | Inf     | z_c / t_c |
     | 2   | pressure p                            | 0      | 1       | P_max     |
-    | 3   | velocity w of the foot                | 0, or -3.4e38 without ratchet | 3.4e38 | z_c / t_c |
+    | 3   | velocity w of the foot                | 0, or -Inf without ratchet | Inf | z_c / t_c |
     | 4   | valve state u, after the flip         | 0      | 1       |           |
 
     The foot's position is not observed: nothing depends on it.
@@ -85,8 +85,18 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
 
     ## Information
 
-    `step` gives `speed`, `memory`, `distance` (of the foot from its start, z_c), `valve` (u_k), `innovation` (e_k) and
-    `slips` (so far in the episode). `reset` gives `groups` and `slope`, the episode's own.
+    The same keys from `reset`, where nothing has happened yet, and from `step`.
+
+    | Key          | Type             | Description                                             | At reset |
+    |--------------|------------------|---------------------------------------------------------|----------|
+    | `speed`      | float            | of the foot, its mean over the hold, z_c / t_c          | 0        |
+    | `memory`     | float            | what the readout earned                                 | 0        |
+    | `distance`   | float            | of the foot from its start, z_c                         | 0        |
+    | `innovation` | float            | e_k                                                     | 0        |
+    | `valve`      | int              | u_k, after the flip                                     | 0        |
+    | `slips`      | int              | so far in the episode                                   | 0        |
+    | `groups`     | dict of floats   | the episode's own, by name                              | the same |
+    | `slope`      | float            | the episode's own                                       | the same |
 
     ## Arguments
 
@@ -187,7 +197,9 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         self._frame = Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
         if self.render_mode == "human":
             self.render()
-        return np.zeros(5, np.float32), told(self.episode_groups, self.episode_scene)
+        info = begun(self.episode_groups, self.episode_scene)
+        self._groups, self._slope = info["groups"].copy(), info["slope"]
+        return np.zeros(5, np.float32), info
 
     def step(self, action: int | np.integer) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Hold the valve as commanded, or flipped, for one hold.
@@ -255,9 +267,11 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
             "speed": speed,
             "memory": memory,
             "distance": foot,
-            "valve": valve,
             "innovation": innovation,
+            "valve": valve,
             "slips": int(slips),
+            "groups": self._groups.copy(),  # the caller keeps it
+            "slope": self._slope,
         }
         return observation, reward, False, False, info
 

@@ -24,7 +24,7 @@ from ..reservoir.prequential_lanes import blank_readouts, forget, Readouts, read
 from .batch import batch_of, Reward, STEP_BATCH
 from .calibration import calibrated_memory, calibration_commands
 from .rendering import Frame
-from .settings import FLIPS, Settings
+from .settings import COUNTS, FLIPS, NUMBERS, Settings
 from .stepping import Stepper, stepper_for
 
 __all__ = ["Fleet"]
@@ -32,7 +32,6 @@ __all__ = ["Fleet"]
 # Fewer crawlers than this are stepped before another thread has woken; an affine map a hold is soon done.
 _LEAST_A_THREAD = 128
 _LEAST_OF_MAPS = 16_384
-_SLOPE = len(Groups.__slots__)
 
 
 class _Slice(NamedTuple):
@@ -64,8 +63,6 @@ class Fleet:
         See `Batch` and `Results`.
     crawlers : list of (Groups, Scene)
         Of the episodes.
-    drawn : (8, crawlers) array
-        The same as numbers: the groups, then the slope.
     generators : list of numpy.random.Generator
         Of each crawler's draws; None before the first episode.
     seeds : list of int
@@ -81,7 +78,6 @@ class Fleet:
         self.generators: list[Any] = [None] * count
         self.seeds: list[int | None] = [None] * count
         self.crawlers = [(kinds[each].groups, settings.scene) for each in kind.tolist()]
-        self.drawn = np.zeros((_SLOPE + 1, count))
         self._solvers = np.full(count, "", np.dtype("U11"))
         self._tables: NDArray[np.float64] | None = None
         self._readouts: Readouts | None = None
@@ -134,6 +130,8 @@ class Fleet:
         self.batch.bodies[:, : len(mask)][:, mask] = 0.0
         self.batch.steps[mask] = 0
         self.results.observations[mask] = 0.0
+        self.results.numbers[: len(NUMBERS), mask] = 0.0
+        self.results.counts[:, mask] = 0
         if self._readouts is not None:
             forget(self._readouts, mask)
 
@@ -179,9 +177,9 @@ class Fleet:
             body.foot,
             int(body.motion),
             body.foot != self.batch.starts[i],
-            int(told.valve[i]),
-            float(told.speed[i]),
-            None if self._readouts is None else float(told.memory[i]),
+            int(told.counts[COUNTS.index("valve"), i]),
+            float(told.numbers[NUMBERS.index("speed"), i]),
+            None if self._readouts is None else float(told.numbers[NUMBERS.index("memory"), i]),
         )
 
     def close(self) -> None:
@@ -206,7 +204,7 @@ class Fleet:
                 )
             stepper = solving[crawler]
             self.crawlers[i] = crawler
-            self.drawn[:, i] = *crawler[0].to_dict().values(), crawler[1].slope
+            self.results.numbers[len(NUMBERS) :, i] = *crawler[0].to_dict().values(), crawler[1].slope
             self.batch.coefficients[:, i] = stepper.fixed[: len(self.batch.coefficients)]
             self._solvers[i] = stepper.solver
             if stepper.solver == "closed_form":

@@ -13,7 +13,7 @@ from ..crawler.groups import RANGES
 from ..crawler.simulation import TOLERANCES
 from ..validation import known_names, number_within, whole_number
 
-__all__ = ["FLIPS", "Settings", "told"]
+__all__ = ["COUNTS", "FLIPS", "NUMBERS", "Settings", "begun"]
 
 # Flips are drawn from the generator this many at a time, which costs a tenth of drawing each alone.
 FLIPS = 256
@@ -23,7 +23,10 @@ _HOLDS = "(0, 10000]"
 # Of delays and of virtual nodes: the readout's covariance has the square of the latter.
 _MOST = 1000
 _SLOPE = "slope"
-_LARGEST = float(np.finfo(np.float32).max)
+
+NUMBERS = ("speed", "memory", "distance", "innovation")
+COUNTS = ("valve", "slips")
+"""What `reset` and `step` tell beside the crawler's groups and the slope: floats, and whole numbers."""
 
 
 @dataclass(frozen=True)
@@ -97,10 +100,10 @@ class Settings:
 
     def observation_space(self) -> spaces.Space[NDArray[np.float32]]:
         """Space of deformation, rate, pressure, foot velocity and valve."""
-        backward = 0.0 if self.scene.ratchet or self.scene.anchored else -_LARGEST
+        backward = 0.0 if self.scene.ratchet or self.scene.anchored else -np.inf
         space: spaces.Space[Any] = spaces.Box(
-            np.array([-_LARGEST, -_LARGEST, 0.0, backward, 0.0], np.float32),
-            np.array([_LARGEST, _LARGEST, 1.0, _LARGEST, 1.0], np.float32),
+            np.array([-np.inf, -np.inf, 0.0, backward, 0.0], np.float32),
+            np.array([np.inf, np.inf, 1.0, np.inf, 1.0], np.float32),
         )
         return space
 
@@ -113,9 +116,9 @@ class Settings:
         return replace(self.groups, **drawn), replace(self.scene, slope=slope)
 
 
-def told(groups: Groups, scene: Scene) -> dict[str, Any]:
-    """What `reset` tells of an episode's crawler and world."""
-    return {"groups": groups.to_dict(), "slope": scene.slope}
+def begun(groups: Groups, scene: Scene) -> dict[str, Any]:
+    """What `reset` tells of an episode: that nothing has happened yet, and who crawls where."""
+    return {**dict.fromkeys(NUMBERS, 0.0), **dict.fromkeys(COUNTS, 0), "groups": groups.to_dict(), "slope": scene.slope}
 
 
 def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> dict[str, tuple[float, float]]:

@@ -17,12 +17,14 @@ from ..crawler.groups import groups_of_each
 from ..validation import whole_number
 from .crawler import StickSlipCrawlerEnv
 from .fleet import Fleet
-from .settings import Settings
+from .settings import COUNTS, NUMBERS, Settings
 from .tiling import Tiles
 
 __all__ = ["StickSlipCrawlerVectorEnv"]
 
-_INFOS = ("speed", "memory", "distance", "valve", "innovation", "slips")
+# Names of the masks beside the infos, those of the groups within theirs.
+_GROUPS_HAVING = tuple(f"_{name}" for name in Groups.__slots__)
+_HAVING = tuple(f"_{name}" for name in (*NUMBERS, *COUNTS, "groups", "slope"))
 
 
 class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64], NDArray[Any]]):
@@ -124,6 +126,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         most = _processors() if threads is None else whole_number("threads", threads, 1)
         self._fleet = Fleet(list(kinds.values()), kind, longest, most)
         self._pending = np.zeros(self.num_envs, np.bool_)
+        self._all = np.ones(self.num_envs, np.bool_)
         self._terminations = np.zeros(self.num_envs, np.bool_)
         self._running = False
 
@@ -165,7 +168,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         self._pending = self._pending & ~mask
         if self.render_mode == "human":
             self.render()
-        return self._own(self._fleet.results.observations), self._told_of_reset(mask)
+        return self._own(self._fleet.results.observations), self._told(mask)
 
     def step(
         self, actions: ArrayLike
@@ -214,20 +217,16 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         results = self._fleet.results
         self._terminations[:] = False  # without copies the caller has written to it perhaps
         ended = results.truncations.copy()
-        of_step = {name: getattr(results, name) for name in _INFOS}
-        if self._autoreset is AutoresetMode.SAME_STEP and np.count_nonzero(ended) > 0:
-            infos = self._told(of_step, ~ended)
-            infos |= {"final_obs": _rows(results.observations, ended), "_final_obs": ended.copy()}
-            infos |= self._told({"final_info": of_step}, ended)
-            self._fleet.begin_again(ended)
-            infos |= self._told_of_reset(ended)
-        else:
-            infos = self._told(of_step, ~idle)
+        last: dict[str, Any] = {}
+        if self._autoreset is not AutoresetMode.SAME_STEP:
             if restarting:
                 self._fleet.begin_again(idle)
-                infos |= self._told_of_reset(idle)
-            if self._autoreset is not AutoresetMode.SAME_STEP:
-                self._pending = ended
+            self._pending = ended
+        elif np.count_nonzero(ended) > 0:
+            last |= {"final_obs": _rows(results.observations, ended), "_final_obs": ended.copy()}
+            last |= {"final_info": self._told(ended), "_final_info": ended.copy()}
+            self._fleet.begin_again(ended)
+        infos = self._told(self._all) | last
         if self.render_mode == "human":
             self.render()
         arrays = results.observations, results.rewards, self._terminations, results.truncations
@@ -287,25 +286,22 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.copy() if self._copy else array
 
-    def _told(self, values: Mapping[str, Any], mask: NDArray[np.bool_]) -> dict[str, Any]:
+    def _told(self, mask: NDArray[np.bool_]) -> dict[str, Any]:
         """Infos in Gymnasium's form: zero, and not in the mask beside them, for those who do not have them."""
-        infos: dict[str, Any] = {}
-        having = np.count_nonzero(mask)
-        if having == 0:
-            return infos
-        for name, value in values.items():
-            if isinstance(value, Mapping):
-                infos[name] = self._told(value, mask)
-            else:
-                infos[name] = (
-                    self._own(value) if having == len(mask) else np.where(mask, value, np.zeros((), value.dtype))
-                )
-            infos[f"_{name}"] = mask.copy()
+        results = self._fleet.results
+        if np.count_nonzero(mask) == len(mask):
+            numbers, counts = self._own(results.numbers), self._own(results.counts)
+        else:
+            numbers, counts = np.where(mask, results.numbers, 0.0), np.where(mask, results.counts, 0)
+        # Rows of one array, which cost a third of an array each.
+        having = np.repeat(mask[np.newaxis], len(_HAVING) + len(_GROUPS_HAVING), axis=0)
+        infos: dict[str, Any] = dict(zip(_HAVING, having, strict=False))
+        groups: dict[str, Any] = dict(zip(_GROUPS_HAVING, having[len(_HAVING) :], strict=True))
+        groups |= zip(Groups.__slots__, numbers[len(NUMBERS) : -1], strict=True)
+        infos |= zip(NUMBERS, numbers, strict=False)
+        infos |= zip(COUNTS, counts, strict=True)
+        infos["groups"], infos["slope"] = groups, numbers[-1]
         return infos
-
-    def _told_of_reset(self, mask: NDArray[np.bool_]) -> dict[str, Any]:
-        *groups, slope = self._fleet.drawn
-        return self._told({"groups": dict(zip(Groups.__slots__, groups, strict=True)), "slope": slope}, mask)
 
     def _refuse_closed(self) -> None:
         if self.closed:

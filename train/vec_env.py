@@ -15,13 +15,12 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices,
 from ..crawler import Groups
 from ..crawler.groups import groups_of_each
 from ..envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
-from ..envs.settings import Settings
+from ..envs.settings import COUNTS, NUMBERS, Settings
 from .stand_in import StandIn
 
 __all__ = ["StickSlipVecEnv"]
 
 _NAME = "StickSlipCrawler-v0"
-_INFOS = ("speed", "memory", "distance", "valve", "innovation", "slips")
 _TRUNCATED = "TimeLimit.truncated"
 
 
@@ -185,19 +184,22 @@ class StickSlipVecEnv(VecEnv):
         """Infos of a step, as if no episode had ended with it."""
         if self._sparse or all_over:
             return [{_TRUNCATED: False} for _ in range(self.num_envs)]
+        begun = self.reset_infos
         # A display with its keys written out takes a third of the time of any other way to make the dicts.
         return [
             {
                 "speed": speed,
                 "memory": memory,
                 "distance": distance,
-                "valve": valve,
                 "innovation": innovation,
+                "valve": valve,
                 "slips": slips,
+                "groups": of_reset["groups"].copy(),
+                "slope": of_reset["slope"],
                 _TRUNCATED: False,
             }
-            for speed, memory, distance, valve, innovation, slips in zip(
-                *(told[name].tolist() for name in _INFOS), strict=True
+            for speed, memory, distance, innovation, valve, slips, of_reset in zip(
+                *(told[name].tolist() for name in (*NUMBERS, *COUNTS)), begun, strict=True
             )
         ]
 
@@ -206,14 +208,21 @@ class StickSlipVecEnv(VecEnv):
     ) -> None:
         last, observations = told["final_info"], told["final_obs"]
         for i in over:
-            infos[i] = {name: last[name][i].item() for name in _INFOS}
+            infos[i] = _one_of(last, i)
             infos[i] |= {_TRUNCATED: bool(cut[i]), "terminal_observation": observations[i]}
 
     def _keep_reset_infos(self, told: Mapping[str, Any], begun: Sequence[int]) -> None:
-        groups = {name: values.tolist() for name, values in told["groups"].items() if not name.startswith("_")}
-        slopes = told["slope"].tolist()
         for i in begun:
-            self.reset_infos[i] = {"groups": {name: values[i] for name, values in groups.items()}, "slope": slopes[i]}
+            self.reset_infos[i] = _one_of(told, i)
+
+
+def _one_of(told: Mapping[str, Any], i: int) -> dict[str, Any]:
+    """Infos of one sub-environment, as it tells them itself."""
+    return {
+        name: _one_of(values, i) if isinstance(values, Mapping) else values[i].item()
+        for name, values in told.items()
+        if not name.startswith(("_", "final_"))
+    }
 
 
 def _settings_of_each(env: StickSlipCrawlerVectorEnv, groups: Any) -> list[Settings]:

@@ -7,11 +7,13 @@ import pickle
 import re
 import subprocess
 import sys
+import warnings
 
 import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from gymnasium.wrappers import DiscretizeObservation, RescaleObservation
 
 import stickslip
 from stickslip import Groups, Scene, simulate
@@ -44,11 +46,62 @@ def commands(steps, seed=0):
 
 
 @pytest.mark.parametrize("arguments", ARGUMENTS, ids=str)
-@pytest.mark.filterwarnings("error")
-def test_gymnasium_finds_no_fault(arguments):
+def test_gymnasium_finds_no_fault_but_that_the_physics_sets_no_bound(arguments):
     # Its pictures, which take most of the time, are the same for all.
     mode = "rgb_array" if not arguments else None
-    check_env(gym.make(NAME, render_mode=mode, **arguments).unwrapped, skip_render_check=mode is None)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        check_env(gym.make(NAME, render_mode=mode, **arguments).unwrapped, skip_render_check=mode is None)
+    assert len(caught) == 2
+    for warning, bound in zip(caught, ("minimum value is -infinity", "maximum value is infinity"), strict=True):
+        assert f"A Box observation space {bound}" in str(warning.message)
+
+
+@pytest.mark.parametrize("arguments", ARGUMENTS, ids=str)
+def test_what_knows_no_bound_says_so(arguments):
+    space = gym.make(NAME, **arguments).observation_space
+    scene = Scene.of(arguments.get("scene"))
+    backward = 0.0 if scene.ratchet or scene.anchored else -np.inf
+    np.testing.assert_array_equal(space.low, np.float32([-np.inf, -np.inf, 0, backward, 0]))
+    np.testing.assert_array_equal(space.high, np.float32([np.inf, np.inf, 1, np.inf, 1]))
+    table = inspect.getdoc(StickSlipCrawlerEnv).split("## Observation Space")[1].split("## Rewards")[0]
+    rows = [
+        [cell.strip() for cell in row.split("|")[3:5]] for row in table.splitlines() if row[:3].strip("| ").isdigit()
+    ]
+    assert rows == [["-Inf", "Inf"], ["-Inf", "Inf"], ["0", "1"], ["0, or -Inf without ratchet", "Inf"], ["0", "1"]]
+
+
+@pytest.mark.parametrize("wrap", [RescaleObservation, DiscretizeObservation])
+def test_wrappers_that_need_bounds_refuse_it(wrap):
+    arguments = {"min_obs": -1.0, "max_obs": 1.0} if wrap is RescaleObservation else {"bins": 10}
+    with pytest.raises((AssertionError, ValueError)):
+        wrap(gym.make(NAME), **arguments)
+
+
+def kinds_of(info):
+    return {name: kinds_of(value) if isinstance(value, dict) else type(value) for name, value in info.items()}
+
+
+@pytest.mark.parametrize("arguments", ARGUMENTS, ids=str)
+def test_reset_tells_what_a_step_does(arguments):
+    env = gym.make(NAME, **arguments)
+    begun, stepped = env.reset(seed=0)[1], env.step(1)[4]
+    assert kinds_of(begun) == kinds_of(stepped)
+    assert list(begun) == list(stepped)
+    assert kinds_of(begun) == {
+        **dict.fromkeys(("speed", "memory", "distance", "innovation", "slope"), float),
+        **dict.fromkeys(("valve", "slips"), int),
+        "groups": dict.fromkeys(Groups().to_dict(), float),
+    }
+    assert not any(value for name, value in begun.items() if name not in ("groups", "slope"))
+    assert begun["groups"] == stepped["groups"] == env.unwrapped.episode_groups.to_dict()
+
+
+def test_what_the_caller_does_to_an_info_does_not_matter():
+    env = gym.make(NAME)
+    env.reset(seed=0)[1]["groups"].clear()
+    env.step(1)[4]["groups"].clear()
+    assert env.step(1)[4]["groups"] == Groups().to_dict()
 
 
 def test_gymnasium_finds_it_by_name_without_import():

@@ -129,6 +129,26 @@ def test_neither_the_batch_nor_the_threads_matter(count, threads, least, seed, s
     whole.close(), part.close()
 
 
+@pytest.mark.parametrize("mode", AutoresetMode)
+def test_reset_tells_what_every_step_does(mode):
+    def kinds_of(info):
+        return {
+            name: kinds_of(value) if isinstance(value, dict) else (value.dtype, value.shape)
+            for name, value in info.items()
+            if not name.startswith(("final_", "_final_"))
+        }
+
+    batch = make_vec(3, autoreset_mode=mode, max_episode_steps=4, randomize={"duffing": [0, 1]})
+    _, begun = batch.reset(seed=0)
+    for _ in range(4):
+        *_, info = batch.step(np.ones(3, int))
+        assert kinds_of(info) == kinds_of(begun)
+        assert all(info[f"_{name}"].all() for name in ("speed", "slips", "groups", "slope"))
+    _, some = batch.reset(options={"reset_mask": np.array([True, False, True])})
+    assert kinds_of(some) == kinds_of(begun)
+    assert some["_groups"].tolist() == some["groups"]["_duffing"].tolist() == [True, False, True]
+
+
 def test_seeds_can_be_given_one_by_one():
     batch, singles = make_vec(3, randomize={"duffing": [0, 1]}), one_by_one(3, randomize={"duffing": [0, 1]})
     assert_same(batch.reset(seed=[5, 3, 9]), singles.reset(seed=[5, 3, 9]))
