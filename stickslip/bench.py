@@ -18,6 +18,7 @@ from .tasks import BodyReservoir, known_reservoirs, Reservoir, SeriesTask, STAND
 from .tasks.benchmark import attempts, chosen
 from .tasks.benchmark_figures import plot_information, plot_predictions, plot_profiles, plot_scores, plot_sweep
 from .tasks.measures import MEASURES
+from .tasks.probe import probes
 from .tasks.records import Record, Records
 from .tasks.report import as_json, as_markdown, as_rows, estimates
 from .tasks.sweep import parse_sweep, with_value
@@ -34,7 +35,7 @@ class _Unit:
     """What one process does at a stretch: all tasks on one reservoir with one seed."""
 
     folder: Path
-    settings: dict[str, Any]
+    made_for: dict[str, Any]
     tasks: Mapping[str, Task]
     name: str
     reservoir: Reservoir
@@ -50,7 +51,7 @@ class _Unit:
 
     def finish(self) -> Iterator[Record]:
         """Make every attempt that is left, and keep it."""
-        records = Records(self.folder / _FINISHED, self.settings, resume=True)
+        records = Records(self.folder / _FINISHED, self.made_for, resume=True)
         # Matrices are small: a thread of BLAS beside this one only takes its processor.
         with threadpool_limits(1):
             for attempt in attempts(
@@ -85,8 +86,8 @@ class Bench:
     body : mapping
         Arguments of `BodyReservoir` for all bodies, ready for JSON.
     resume : bool
-        Whether to go on with what the folder holds; it must have been made with the same settings, except that tasks,
-        reservoirs, seeds and swept values may be added.
+        Whether to go on with what the folder holds. It must have been made with the same settings, tasks, measures
+        and reservoirs; tasks, reservoirs, seeds and swept values may be added.
 
     Raises
     ------
@@ -132,7 +133,8 @@ class Bench:
             "sweep": None if self._swept is None else self._swept[0],
             **(body or {}),
         }
-        self._records = Records(folder / _FINISHED, self._settings, resume=resume)
+        self._made_for = {**self._settings, **probes(self._tasks, self._reservoirs)}
+        self._records = Records(folder / _FINISHED, self._made_for, resume=resume)
 
     @property
     def total(self) -> int:
@@ -155,7 +157,7 @@ class Bench:
         processes = whole_number("--processes", processes, 1)
         done = self._records.load().keys() & set(product(self._tasks, self._reservoirs, self._seeds))
         units = [
-            _Unit(self.folder, self._settings, self._tasks, name, each, seed, self._length, self._washout, done)
+            _Unit(self.folder, self._made_for, self._tasks, name, each, seed, self._length, self._washout, done)
             for seed, (name, each) in product(self._seeds, self._reservoirs.items())
         ]
         finished = len(done)

@@ -8,9 +8,12 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from ..files import atomically
+from ..fingerprint import described, refuse_other
 from .benchmark import Attempt
 
 __all__ = ["SHOWN", "Record", "Records"]
+
+_GROWING = ("tasks", "reservoirs")
 
 SHOWN = 120
 """Held-out samples of each prediction that are kept for figures."""
@@ -57,7 +60,8 @@ class Records:
     folder : Path
         Made if it is missing.
     settings : mapping
-        What must be equal for records to belong together, ready for JSON.
+        What must be equal for records to belong together, as in `stickslip.fingerprint`. Under "tasks" and
+        "reservoirs" names may be added, and what they name must be equal where the folder has it already.
     resume : bool
         Whether to go on from what the folder holds.
 
@@ -69,19 +73,16 @@ class Records:
 
     def __init__(self, folder: Path, settings: Mapping[str, Any], *, resume: bool = False) -> None:
         self._folder = folder
-        wanted = json.loads(json.dumps(settings))
+        wanted = described(settings)
         kept = folder / "settings.json"
         if kept.exists() and (resume or self._files()):
             if not resume:
                 raise ValueError(f"{folder.parent} holds a run already: resume it, or choose another folder")
             found = json.loads(kept.read_text(encoding="utf-8"))
-            for name in sorted({*wanted, *found}):
-                if found.get(name) != wanted.get(name):
-                    raise ValueError(
-                        f"{name} must be {found.get(name)!r} to go on with the run in {folder.parent}, "
-                        f"got {wanted.get(name)!r}"
-                    )
-            return
+            refuse_other(f"to go on with the run in {folder.parent}", found, wanted, growing=_GROWING)
+            wanted |= {name: {**found[name], **wanted[name]} for name in _GROWING if name in wanted}
+            if wanted == found:
+                return
         folder.mkdir(parents=True, exist_ok=True)
         _write(kept, wanted)
 

@@ -25,8 +25,10 @@ from numpy.typing import NDArray
 
 from ..crawler import SolverError
 from ..files import atomically
+from ..fingerprint import described, refuse_other
 from ..reservoir import Estimate, mean_over_runs
 from ..validation import number_within, whole_number
+from .catalogue import TASKS
 from .reservoirs import Reservoir
 from .space import Choice, Space
 from .task import Task
@@ -39,6 +41,7 @@ _ELITE = 10
 _TRIES = 1000
 _DIFFERENCE = 0.6
 _MOVED, _REDRAWN = 0.4, 0.1  # probabilities that a dimension of either sort changes
+_SAME = 1e-6  # to which a score is reproduced
 _NOISE = 0.002, 0.2  # least and largest standard deviation, in shares of a range
 
 
@@ -125,7 +128,9 @@ def search(
         Wall time after which no further point is tried, the finalists excepted. What is found then depends on the
         machine, unless the search is resumed to its end.
     file : Path, optional
-        Where every evaluation is kept once it is made. A search whose file is there goes on from it.
+        Where every evaluation is kept once it is made. A search whose file is there goes on from it, if the file was
+        made by the same search and its first score is reproduced; only `evaluations`, `finalists` and `seconds` may
+        differ.
     on_progress : callable, optional
         Called with the points scored and those wanted.
 
@@ -145,7 +150,9 @@ def search(
         seconds = number_within("seconds", seconds, "(0, inf)")
     seeds = _distinct("validation_seeds", validation_seeds)
     settings = {
-        "space": {name: repr(dimension) for name, dimension in space.dimensions.items()},
+        "task": _name(task),
+        "space": {name: described(dimension) for name, dimension in space.dimensions.items()},
+        "build": described(space.build),
         "seed": whole_number("seed", seed, 0),
         "exploration": exploration,
         "validation_seeds": seeds,
@@ -153,14 +160,15 @@ def search(
         "washout": whole_number("washout", washout, 0),
     }
     kept = _kept(file, settings)
-    scored, beyond = kept[:evaluations], kept[evaluations:]
-    until = time.monotonic() + seconds
 
     def scores(evaluation: Evaluation, of: Sequence[int]) -> list[float] | None:
         reservoir = space.build(space.at(np.array(evaluation.point)))
         assert reservoir is not None  # proposals are those that can be built
         return _scores(task, reservoir, of, length, washout)
 
+    _reproduce(file, kept, lambda evaluation: scores(evaluation, seeds[:1]))
+    scored, beyond = kept[:evaluations], kept[evaluations:]
+    until = time.monotonic() + seconds
     while len(scored) < evaluations and (not scored or time.monotonic() < until):
         point = Evaluation(_proposal(space, scored, exploration, seed, task.metric.more_is_better), None)
         scored.append(Evaluation(point.point, scores(point, seeds[:1])))
@@ -277,11 +285,34 @@ def _distinct(name: str, seeds: Iterable[int]) -> list[int]:
 def _kept(file: Path | None, settings: dict[str, Any]) -> list[Evaluation]:
     if file is None or not file.exists():
         return []
-    kept = json.loads(file.read_text(encoding="utf-8"))
-    if kept["settings"] != settings:
-        differing = [name for name in settings if kept["settings"].get(name) != settings[name]]
-        raise ValueError(f"file must belong to this search, but {file} has other {', '.join(differing)}")
-    return [Evaluation(**each) for each in kept["evaluations"]]
+    try:
+        kept = json.loads(file.read_text(encoding="utf-8"))
+        evaluations = [Evaluation(**each) for each in kept["evaluations"]]
+        made_for = dict(kept["settings"])
+    except (ValueError, TypeError, KeyError) as error:
+        raise ValueError(f"file must be one that a search has written, got {file}: {error!r}") from None
+    refuse_other(f"to go on with the search in {file}", made_for, settings)
+    return evaluations
+
+
+def _reproduce(
+    file: Path | None, kept: Sequence[Evaluation], score: Callable[[Evaluation], list[float] | None]
+) -> None:
+    """Refuse evaluations whose first score is another today: the task, a measure or a reservoir has changed since."""
+    first = next((evaluation for evaluation in kept if evaluation.scores), None)
+    if first is None or first.scores is None:
+        return
+    today = score(first)
+    if today is None or not math.isclose(today[0], first.scores[0], rel_tol=_SAME, abs_tol=_SAME):
+        raise ValueError(
+            f"the first score must be {first.scores[0]!r} to go on with the search in {file}, "
+            f"got {today[0] if today else None!r}: the task, its measure or the reservoirs have changed since"
+        )
+
+
+def _name(task: Task) -> str:
+    """The name of a registered task, the description of any other."""
+    return next((name for name, each in TASKS.items() if each is task), str(described(task)))
 
 
 def _keep(file: Path | None, settings: dict[str, Any], scored: Sequence[Evaluation]) -> None:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -154,11 +155,7 @@ def body_space(features: int) -> Space:
         "static_friction": Range(1e-3, 1.0, log=True),
         "kinetic_share": Range(0.0, 1.0),
     }
-
-    def build(values: Mapping[str, Any]) -> BodyReservoir | None:
-        return _body(features, values)
-
-    return Space(dimensions, build)
+    return Space(dimensions, partial(_body, features))
 
 
 def _body(features: int, values: Mapping[str, Any]) -> BodyReservoir | None:
@@ -218,4 +215,8 @@ def echo_state_space(features: int) -> Space:
         "input_scaling": Range(0.01, 5.0, log=True),
         "leak": Range(0.1, 1.0),
     }
-    return Space(dimensions, lambda values: EchoState(features, **values))
+    return Space(dimensions, partial(_network, features))
+
+
+def _network(features: int, values: Mapping[str, Any]) -> EchoState:
+    return EchoState(features, **values)

@@ -165,9 +165,10 @@ def test_a_benchmark_is_run_and_resumed(capsys, monkeypatch, tmp_path):
     attempted = []
 
     def fail_at_the_third(self, reservoir, **draw):
-        attempted.append(draw["seed"])
-        if len(attempted) == 3:
-            raise KeyboardInterrupt
+        if draw["length"] == 600:  # any other is a probe
+            attempted.append(draw["seed"])
+            if len(attempted) == 3:
+                raise KeyboardInterrupt
         return original(self, reservoir, **draw)
 
     original = SeriesTask.attempt
@@ -180,6 +181,10 @@ def test_a_benchmark_is_run_and_resumed(capsys, monkeypatch, tmp_path):
     assert "bench holds a run already: resume it, or choose another folder" in capsys.readouterr().err
     assert run([*command, "--seeds", "2", "--washout", "100", "--resume"]) == 1
     assert "washout must be 200 to go on with the run in " in capsys.readouterr().err
+    with monkeypatch.context() as patch:
+        patch.setattr("stickslip.tasks.task._HOLDOUT", 0.4)
+        assert run([*command, "--seeds", "2", "--resume"]) == 1
+        assert "tasks.NARMA-2 NRMSE.probe must be " in capsys.readouterr().err
     assert run([*command, "--seeds", "2", "--resume"]) == 0
     assert len(attempted) == 3 + 2 + 4  # the crawler's with the first seed are not made again
 

@@ -56,18 +56,6 @@ class Configuration:
             if not isinstance(getattr(self, name), Mapping):
                 raise TypeError(f"{name} must be a mapping, got {getattr(self, name)!r}")
 
-    def differences(self, other: "Configuration") -> list[str]:
-        """Names of the fields, and of the entries in them, by which two configurations differ."""
-        names: list[str] = []
-        mine, theirs = asdict(self), asdict(other)
-        for name, value in mine.items():
-            if isinstance(value, Mapping):
-                keys = sorted({*value, *theirs[name]})
-                names += [f"{name}.{key}" for key in keys if value.get(key) != theirs[name].get(key)]
-            elif value != theirs[name]:
-                names.append(name)
-        return names
-
 
 class Run:
     """The folder of one training run.

@@ -17,6 +17,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from ..envs import StickSlipCrawlerEnv
 from ..files import atomically
+from ..fingerprint import described, refuse_other, rounded
 from .hyperparameters import resolve
 from .run import Configuration, Run
 from .threads import library_threads
@@ -32,6 +33,8 @@ _ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
     "recurrent_ppo": RecurrentPPO,
 }
 _CONFIGURATION = "stickslip_configuration"
+_REWARDS = "stickslip_first_rewards"
+_PROBED = 16
 _EVALUATIONS = 12
 _EVALUATION_SEED = 1_000_000
 
@@ -83,7 +86,7 @@ def train(
         }
     )
     # What the environment or the algorithm refuses, it refuses before the folder is touched.
-    StickSlipCrawlerEnv(**configuration.env_kwargs).reset()
+    rewards = _first_rewards(configuration)
 
     def make(count: int, seed: int) -> VecEnv:
         environments = VecMonitor(vec_env(count, **configuration.env_kwargs))
@@ -95,7 +98,7 @@ def train(
         checkpoint = None
         if resume:
             run = Run.open(folder)
-            _refuse_another(configuration.differences(run.configuration), f"run {folder}")
+            refuse_other(f"to go on with run {folder}", _described(run.configuration), _described(configuration))
             checkpoint = run.latest_checkpoint()
         with library_threads(1):
             if checkpoint is None:
@@ -107,10 +110,16 @@ def train(
                     **arguments,
                 )
                 vars(model)[_CONFIGURATION] = asdict(configuration)  # SB3 saves every attribute
+                vars(model)[_REWARDS] = rewards
                 if not resume:
                     run = Run.create(folder, configuration)
             else:
                 model = _load(configuration, checkpoint, env=environments)
+                refuse_other(
+                    f"to go on with run {folder}, whose environment or reward was another",
+                    {"first rewards": vars(model).get(_REWARDS)},
+                    {"first rewards": rewards},
+                )
                 if isinstance(model, OffPolicyAlgorithm) and run.replay_buffer.exists():
                     model.load_replay_buffer(run.replay_buffer)
             model.tensorboard_log = str(folder / "tensorboard")
@@ -164,13 +173,19 @@ def _load(configuration: Configuration, file: Path, env: VecEnv | None = None) -
         raise ValueError(f"checkpoint {file} is not one of {configuration.algorithm}: {reason}") from None
     # Other seeds and hyperparameters may be compared in one environment; another environment is another task.
     same_training = replace(trained_as, seed=configuration.seed, hyperparameters=configuration.hyperparameters)
-    _refuse_another(configuration.differences(same_training), f"checkpoint {file}")
+    refuse_other(f"as in checkpoint {file}", _described(same_training), _described(configuration))
     return model
 
 
-def _refuse_another(differences: list[str], what: str) -> None:
-    if differences:
-        raise ValueError(f"{what} is of another configuration: {', '.join(differences)}")
+def _described(configuration: Configuration) -> dict[str, Any]:
+    return {name: described(value) for name, value in asdict(configuration).items()}
+
+
+def _first_rewards(configuration: Configuration) -> list[float | str]:
+    """What a fixed word earns in the environment of a configuration: a changed body or reward is told by it."""
+    environment = StickSlipCrawlerEnv(**configuration.env_kwargs)
+    environment.reset(seed=0)
+    return [rounded(float(environment.step((step // 3 + 1) % 2)[1])) for step in range(_PROBED)]
 
 
 class _Keeper(BaseCallback):

@@ -53,6 +53,23 @@ def test_a_run_is_not_mixed_with_another(tmp_path):
     assert len(Records(folder, {**SETTINGS, "length": 50}, resume=True).load()) == 1
 
 
+def test_names_may_be_added_but_not_changed(tmp_path):
+    def records(**named):
+        return Records(tmp_path / "run" / "finished", {**SETTINGS, **named}, resume=True)
+
+    records(tasks={"a": {"probe": 1.0}}, reservoirs={"r": 1})
+    records(tasks={"b": {"probe": 2.0}}, reservoirs={"r": 1, "s": 2})
+    assert json.loads((tmp_path / "run" / "finished" / "settings.json").read_text()) == {
+        **SETTINGS, "tasks": {"a": {"probe": 1.0}, "b": {"probe": 2.0}}, "reservoirs": {"r": 1, "s": 2}
+    }  # fmt: skip
+    with pytest.raises(ValueError, match=r"tasks\.a\.probe must be 1\.0 to go on with the run in .*run, got 1\.5"):
+        records(tasks={"a": {"probe": 1.5}, "b": {"probe": 2.0}}, reservoirs={"r": 1})
+    with pytest.raises(ValueError, match=r"reservoirs\.s must be 2 to go on with the run in .*run, got 3"):
+        records(tasks={}, reservoirs={"s": 3})
+    with pytest.raises(ValueError, match=r"tasks must be \{.*\} to go on with the run in .*run, got absent"):
+        records()
+
+
 def test_a_record_is_plain_json(tmp_path):
     Records(tmp_path, SETTINGS).keep(attempt(details={"exponent": None}))
     [file] = tmp_path.glob("narma*")

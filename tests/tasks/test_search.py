@@ -80,24 +80,29 @@ def test_equal_seeds_give_equal_searches():
     assert [e.point for e in first.evaluations] != [e.point for e in other.evaluations]
 
 
-def test_a_search_broken_off_and_resumed_is_the_same(tmp_path):
+def test_a_search_broken_off_and_resumed_is_the_same(tmp_path, monkeypatch):
     """Broken off at any point, also after finalists were scored on more seeds, and in the middle of an evaluation."""
     whole = search(Bowl(), PLANE, **SHORT)
     file = tmp_path / "search.json"
     for evaluations in (3, 9, 11):
         search(Bowl(), PLANE, file=file, **{**SHORT, "evaluations": evaluations})
 
-    class Broken(Bowl):
-        def attempt(self, reservoir, **which):
+    def broken(self, reservoir, **which):
+        self.asked.append(None)
+        if len(self.asked) > 1:
             raise KeyboardInterrupt
+        return attempt(self, reservoir, **which)
 
+    attempt = Bowl.attempt
+    monkeypatch.setattr(Bowl, "attempt", broken)
     with pytest.raises(KeyboardInterrupt):
-        search(Broken(), PLANE, file=file, **SHORT)
+        search(Bowl(), PLANE, file=file, **SHORT)
+    monkeypatch.setattr(Bowl, "attempt", attempt)
     task = Bowl()
     resumed = search(task, PLANE, file=file, **SHORT)
     assert [e.point for e in resumed.evaluations] == [e.point for e in whole.evaluations]
     assert (resumed.values, resumed.validation) == (whole.values, whole.validation)
-    assert task.asked.count(50) == 3  # of 14 points 11 were kept
+    assert task.asked.count(50) == 1 + 3  # of 14 points 11 were kept, and the first is scored again
     shorter = search(Bowl(), PLANE, file=file, **{**SHORT, "evaluations": 9})
     assert len(shorter.evaluations) == 9
     assert len(json.loads(file.read_text())["evaluations"]) == 14
@@ -222,8 +227,46 @@ def test_a_space_none_of_which_can_do_the_task_is_refused():
 def test_a_file_of_another_search_is_refused(tmp_path):
     file = tmp_path / "search.json"
     search(Bowl(), PLANE, file=file, **SHORT)
-    with pytest.raises(ValueError, match=r"file must belong to this search, but .* has other seed, length"):
+    with pytest.raises(ValueError, match=r"seed must be 0 to go on with the search in .*, got 3; length must be 400"):
         search(Bowl(), PLANE, file=file, **{**SHORT, "seed": 3, "length": 401})
+    with pytest.raises(ValueError, match=r"task must be 'Bowl\(more=False\)' to go on .*, got 'Bowl\(more=True\)'"):
+        search(Bowl(True), PLANE, file=file, **SHORT)
+    with pytest.raises(ValueError, match=r"space\.kind must be \"Choice\(values='ab'\)\" to go on"):
+        search(Bowl(), PLANE.where(kind="a"), file=file, **SHORT)
+    for text in ("", "[]", "{}", '{"settings": {}, "evaluations": [{"wheels": 4}]}'):
+        file.write_text(text)
+        with pytest.raises(ValueError, match="file must be one that a search has written, got"):
+            search(Bowl(), PLANE, file=file, **SHORT)
+
+
+@pytest.mark.parametrize("other", [name for name in TASKS if name != "memory capacity"])
+def test_no_task_takes_the_scores_of_another(tmp_path, other):
+    file = tmp_path / "search.json"
+    small = {**SHORT, "evaluations": 1, "finalists": 1, "validation_seeds": (50,), "file": file}
+    search(TASKS["memory capacity"], echo_state_space(3), **small)
+    with pytest.raises(ValueError, match=rf"task must be 'memory capacity' to go on with .*, got '{other}'"):
+        search(TASKS[other], echo_state_space(3), **small)
+
+
+def test_a_budget_of_features_is_no_other(tmp_path):
+    for space in (echo_state_space, lambda features: body_space(features).where(segments=1, sample_time=1.0)):
+        file = tmp_path / f"{space.__name__}.json"
+        search(TASKS["NARMA-2 NRMSE"], space(6), file=file, **SHORT)
+        with pytest.raises(ValueError, match=r"build must be '_\w+\(6\)' to go on with the search in .*\(9\)'"):
+            search(TASKS["NARMA-2 NRMSE"], space(9), file=file, **SHORT)
+
+
+def test_what_a_changed_measure_has_scored_is_not_gone_on_with(tmp_path, monkeypatch):
+    file = tmp_path / "search.json"
+    search(Bowl(), PLANE, file=file, **SHORT)
+    attempt = Bowl.attempt
+
+    def changed(self, reservoir, **which):
+        return Solution(1.00001 * attempt(self, reservoir, **which).score)
+
+    monkeypatch.setattr(Bowl, "attempt", changed)
+    with pytest.raises(ValueError, match=r"the first score must be .* to go on .*: the task, its measure or the res"):
+        search(Bowl(), PLANE, file=file, **SHORT)
 
 
 def test_bad_spaces():

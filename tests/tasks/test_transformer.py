@@ -3,6 +3,7 @@ import doctest
 import pickle
 import subprocess
 import sys
+import warnings
 from collections import deque
 
 import numpy as np
@@ -77,7 +78,70 @@ def test_the_range_is_learned_from_what_is_fitted_and_the_valve_does_no_more():
     reservoir = CrawlerReservoir(washout=0, readings=["pressure"]).fit(2.0 * SERIES[:50] - 1.0)
     np.testing.assert_array_equal(reservoir.input_range_, [[2 * SERIES[:50].min() - 1, 2 * SERIES[:50].max() - 1]])
     inside = reservoir.transform([[reservoir.input_range_[0, 1]], [reservoir.input_range_[0, 0]]])
-    np.testing.assert_array_equal(reservoir.transform([[1e9], [-1e9]]), inside)
+    with pytest.warns(UserWarning, match=r"X has 2 of 2 values beyond the fitted range.*from -1e\+09 to 1e\+09, and"):
+        beyond = reservoir.transform([[1e9], [-1e9]])
+    np.testing.assert_array_equal(beyond, inside)
+
+
+def test_only_what_is_beyond_the_range_warns():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        CrawlerReservoir().fit(SERIES).transform(SERIES)
+        CrawlerReservoir(input_range=(0, 1)).fit_transform(SERIES)
+    wide = np.stack([SERIES, np.where(np.arange(60) == 7, 1.5, SERIES)], axis=1)
+    with pytest.warns(UserWarning, match="1 of 120 values .*: column 1 goes from"):
+        CrawlerReservoir(input_range=(0, 1)).fit_transform(wide)
+
+
+@pytest.mark.parametrize("encoding", ["pulse_width", "sigma_delta"])
+@pytest.mark.parametrize("scene", [None, {"segments": 2, "tube_mass": 0.3}])
+def test_what_goes_on_is_the_whole_series_cut(encoding, scene):
+    of = {"encoding": encoding, "scene": scene, "virtual_nodes": 2, "input_range": (0, 1), "washout": 9}
+    whole = CrawlerReservoir(**of).fit_transform(SERIES)
+    going_on = CrawlerReservoir(carry_on=True, **of)
+    np.testing.assert_array_equal(going_on.fit_transform(SERIES[:37]), whole[:37])
+    np.testing.assert_array_equal(going_on.transform(SERIES[37:]), whole[37:])
+    np.testing.assert_array_equal(going_on.transform(SERIES[37:50]), whole[37:50])  # one transform leaves no trace
+    from_rest = CrawlerReservoir(**of).fit(SERIES[:37]).transform(SERIES[37:])
+    assert np.abs(from_rest - whole[37:]).max() > 0.01
+
+
+def test_a_time_series_split_keeps_its_past():
+    """The target is one sample old: without its past the first row of each test part cannot know it."""
+    series = np.random.default_rng(1).random(400)
+    target = np.roll(series, 1)
+    scores = {
+        carry_on: cross_val_score(
+            make_pipeline(CrawlerReservoir(carry_on=carry_on, input_range=(0, 1)), Ridge(1e-6)),
+            series[:, None],
+            target,
+            cv=TimeSeriesSplit(40, test_size=1),
+            scoring="neg_mean_squared_error",
+        ).mean()
+        for carry_on in (False, True)
+    }
+    assert scores[True] > 0.5 * scores[False]
+
+
+def test_settled_rows_are_those_that_every_start_leads_to():
+    reservoir = CrawlerReservoir(input_range=(0, 1), washout=50).fit(SERIES)
+    series = np.random.default_rng(2).random(400)
+    settled = reservoir.settled(series)
+    first = np.argmax(settled)
+    assert 5 < first < 300
+    assert not settled[:first].any()
+    assert settled[first:].all()
+    other = np.concatenate([np.random.default_rng(3).random(50), series])
+    usual = reservoir.transform(series)
+    difference = np.abs(reservoir.transform(other)[50:] - usual) / usual.std(axis=0)
+    assert difference[settled].max() < 0.01 < difference[0].max()
+    assert np.argmax(reservoir.settled(series, tolerance=1e-4)) > first
+    damped = CrawlerReservoir({"damping_ratio": 0.6}, input_range=(0, 1), washout=50).fit(SERIES)
+    assert np.argmax(damped.settled(series)) < first
+    with pytest.raises(ValueError, match=r"tolerance must be in \(0, 1\), got 0"):
+        reservoir.settled(series, tolerance=0)
+    with pytest.raises(ValueError, match="washout must be a whole number >= 1, got 0"):
+        CrawlerReservoir(washout=0).fit(SERIES).settled(series)
 
 
 def test_a_constant_series_shuts_the_valve():

@@ -186,10 +186,22 @@ def test_a_run_is_not_overwritten_or_resumed_as_another(short_run, tmp_path):
     with pytest.raises(ValueError, match="holds a run already; resume it or name another folder"):
         train(short_run.configuration, short_run.folder)
     other = replace(short_run.configuration, env_kwargs={**SPEED, "hold": 1.0}, seed=7)
-    with pytest.raises(ValueError, match=r"is of another configuration: env_kwargs\.hold, seed"):
+    with pytest.raises(ValueError, match=r"env_kwargs\.hold must be .* to go on with run .*, got 1\.0; seed must be 0"):
         train(other, short_run.folder, resume=True)
     with pytest.raises(ValueError, match=r"run must be a folder with a configuration\.yml in it"):
         train(short_run.configuration, tmp_path / "nowhere", resume=True)
+
+
+def test_a_run_is_not_gone_on_with_under_another_reward(short_run, monkeypatch):
+    step = StickSlipCrawlerEnv.step
+
+    def better_paid(self, action):
+        observation, reward, *rest = step(self, action)
+        return observation, reward + 0.01, *rest
+
+    monkeypatch.setattr(StickSlipCrawlerEnv, "step", better_paid)
+    with pytest.raises(ValueError, match=r"first rewards must be \[.*\] to go on with run .*another, got \["):
+        train(short_run.configuration, short_run.folder, resume=True)
 
 
 def test_wrong_arguments_are_found_before_the_folder_is_made(tmp_path):
@@ -218,7 +230,7 @@ def test_a_checkpoint_of_another_configuration_is_refused(short_run, tmp_path, c
     other = replace(short_run.configuration, env_kwargs={**SPEED, **changed})
     run = Run.create(tmp_path / "other", other)
     (name,) = changed
-    with pytest.raises(ValueError, match=rf"is of another configuration: env_kwargs\.{name}"):
+    with pytest.raises(ValueError, match=rf"env_kwargs\.{name}.* must be absent as in checkpoint .*got"):
         load_policy(run, short_run.final)
 
 
