@@ -20,10 +20,12 @@ from .control import (
     DIVERGED,
     FINISHED,
     is_taylor,
+    Leg,
     LOG_FULL,
     OUT_OF_STEPS,
     Outcome,
     Pace,
+    PAUSED,
 )
 from .energy import account
 from .equations import pressure_after
@@ -81,6 +83,7 @@ def advance(
     workspace: NDArray[np.float64],
     begin: float = 0.0,
     end: float = math.inf,
+    leg: Leg | None = None,
 ) -> Outcome:
     """Advance one crawler by one hold of the valve, or by a part of one.
 
@@ -105,23 +108,32 @@ def advance(
         Scratch.
     begin, end : float
         Time into the hold, the whole of it by default.
+    leg : Leg, optional
+        Where to go on, with the state, the ledger, the samples and the workspace that a pause left; without one the
+        stretch is advanced from its begin, and without a pause.
 
     Returns
     -------
     Outcome
     """
-    done = sampled_by(begin, hold, samples.shape[1])
-    logged = 0
-    elapsed = begin
-    close = min(end, hold)
     opening = body
+    elapsed = begin
     pace = AFRESH
+    if leg is not None:
+        opening = leg.opening
+        elapsed = leg.elapsed
+        pace = leg.pace
+    done = sampled_by(elapsed, hold, samples.shape[1])
+    logged = 0
+    close = min(end, hold)
     for steps in range(1, control.max_steps + 1):
+        if leg is not None and steps > leg.steps:
+            return Outcome(PAUSED, elapsed, steps - 1, logged, body, ledger, pace)
         longest, ahead, pace = next_step(
             opening, body, physics, valve, elapsed - begin, close - elapsed, control, pace, workspace
         )
         if not longest >= 0.0:
-            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
+            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, pace)
         length, motion = next_event(body, physics, valve, control.order, longest, workspace)
         if motion != body.motion:
             pace = radau_again(body, physics, control.tolerance, pace, length, workspace)
@@ -144,7 +156,7 @@ def advance(
             pressure = pressure_after(opening, physics, valve, reached - begin)
             following = state_at(body, physics, pressure, control.order, length, workspace)
         if not is_near(following):
-            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
+            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, pace)
         if control.energy:
             ledger = account(ledger, body, following, physics, control.method, length, workspace)
         elapsed = reached
@@ -152,14 +164,14 @@ def advance(
             following = change_motion(following, motion, physics)
             if control.log:
                 if logged == events.shape[0]:
-                    return Outcome(LOG_FULL, elapsed, steps, logged, body, ledger)
+                    return Outcome(LOG_FULL, elapsed, steps, logged, body, ledger, pace)
                 events[logged, 0] = start + elapsed
                 events[logged, 1] = motion
                 logged += 1
         body = following
         if last:
-            return Outcome(FINISHED, close, steps, logged, body, ledger)
-    return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger)
+            return Outcome(FINISHED, close, steps, logged, body, ledger, pace)
+    return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger, pace)
 
 
 @compiled

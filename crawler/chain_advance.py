@@ -23,17 +23,29 @@ from .chain import (
     stretches_at,
 )
 from .chain_energy import account_chain
-from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome
+from .control import (
+    AFRESH,
+    Control,
+    DIVERGED,
+    FINISHED,
+    Leg,
+    LOG_FULL,
+    OUT_OF_STEPS,
+    Outcome,
+    PAUSED,
+    SAMPLES_A_STEP,
+)
+from .driving import stretch_at
 from .equations import force, force_terms, pressure_after
 from .events import breaking_loose, change_motion, comes_to_rest, motion_after_rest, started
 from .polynomial import horner, sharp_descent
+from .progress import keep, opening_of, outcome_of, run_through, steps_of_a_call, stretch_of
 from .taylor import ROUNDING, SHORTENINGS, TRUST
 from .workspace import FORCE, SCRATCH
 
 __all__ = ["drive_chain"]
 
 
-@compiled
 def drive_chain(
     body: Body,
     stretches: NDArray[np.float64],
@@ -75,17 +87,48 @@ def drive_chain(
     finished : int
         Holds completed.
     """
+    return run_through(
+        _drive_chain_on,
+        body,
+        stretches,
+        chain,
+        schedule,
+        hold,
+        control,
+        samples,
+        segment_samples,
+        events,
+        series,
+    )
+
+
+@compiled
+def _drive_chain_on(
+    state: NDArray[np.float64],
+    stretches: NDArray[np.float64],
+    chain: Chain,
+    schedule: NDArray[np.float64],
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    segment_samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    series: ChainSeries,
+) -> None:
+    """Go on with the run that `state` tells of, see `run_through`."""
+    so_far = outcome_of(state)
+    opening, body, ledger = opening_of(state), so_far.body, so_far.ledger
+    elapsed, steps, logged = so_far.elapsed, so_far.steps, so_far.logged
     each = samples.shape[1] // len(schedule)
-    ledger = Ledger(0.0, 0.0, 0.0)
-    logged = 0
-    steps = 0
-    # As in `drive`: a stretch of the open valve and one of the shut.
-    for stretch in range(2 * len(schedule)):
+    until_pause = max(1, steps_of_a_call(state) // stretches.shape[1])
+    for stretch in range(stretch_of(state), 2 * len(schedule)):
         k = stretch // 2
-        opened = schedule[k] * hold
-        valve, begin, end = (1.0, 0.0, opened) if stretch % 2 == 0 else (0.0, opened, hold)
+        valve, begin, end = stretch_at(stretch, schedule, hold)
         if not begin < end:
             continue
+        if until_pause <= 0:
+            keep(state, Outcome(PAUSED, elapsed, steps, logged, body, ledger, AFRESH), stretch, opening)
+            return
         outcome = _advance_chain(
             body,
             stretches,
@@ -102,14 +145,24 @@ def drive_chain(
             segment_samples[:, :, k * each : (k + 1) * each],
             events[logged:],
             series,
+            Leg(opening, max(begin, elapsed), AFRESH, until_pause),
         )
         body = outcome.body
         ledger = outcome.ledger
         logged += outcome.logged
         steps += outcome.steps
+        until_pause -= outcome.steps + each // SAMPLES_A_STEP
         if outcome.status != FINISHED:
-            return Outcome(outcome.status, outcome.elapsed, steps, logged, body, ledger), k
-    return Outcome(FINISHED, hold, steps, logged, body, ledger), len(schedule)
+            keep(
+                state,
+                Outcome(outcome.status, outcome.elapsed, steps, logged, body, ledger, AFRESH),
+                stretch,
+                opening,
+            )
+            return
+        opening = body
+        elapsed = 0.0
+    keep(state, Outcome(FINISHED, hold, steps, logged, body, ledger, AFRESH), 2 * len(schedule), body)
 
 
 @compiled
@@ -129,22 +182,24 @@ def _advance_chain(
     segment_samples: NDArray[np.float64],
     events: NDArray[np.float64],
     series: ChainSeries,
+    leg: Leg,
 ) -> Outcome:
     """Advance one chain from `begin` to `close` in one hold of the valve, in `budget` steps at most.
 
-    Both are times into the hold, which begins at the time `start`.
+    Both are times into the hold, which begins at the time `start`; `leg` says where between them to go on.
     """
     segments = stretches.shape[1]
     count = samples.shape[1]
-    done = sampled_by(begin, hold, count)
+    opening, elapsed = leg.opening, leg.elapsed
+    done = sampled_by(elapsed, hold, count)
     logged = 0
-    elapsed = begin
-    opening = body
     for steps in range(1, budget + 1):
+        if steps > leg.steps:
+            return Outcome(PAUSED, elapsed, steps - 1, logged, body, ledger, AFRESH)
         expand_chain(stretches, body, chain, valve, control.order, series)
         length = longest_step(chain, body.motion, control.order, control.tolerance, series)
         if not length > 0.0:
-            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
+            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, AFRESH)
         length = _trusted_length(body, chain, valve, control, min(length, close - elapsed), series)
         length, motion = _next_event(body, chain, valve, control.order, length, series)
 
@@ -164,7 +219,7 @@ def _advance_chain(
         pressure = pressure_after(opening, chain.physics, valve, reached - begin)
         following = _state_at(body, pressure, control.order, length, series)
         if not is_near(following):
-            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger)
+            return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, AFRESH)
         for j in range(segments):
             stretches[0, j] = series.ahead[0, j]
             stretches[1, j] = series.ahead[1, j]
@@ -174,15 +229,15 @@ def _advance_chain(
         if motion != body.motion:
             if control.log:
                 if logged == events.shape[0]:
-                    return Outcome(LOG_FULL, elapsed, steps, logged, body, ledger)
+                    return Outcome(LOG_FULL, elapsed, steps, logged, body, ledger, AFRESH)
                 events[logged, 0] = start + elapsed
                 events[logged, 1] = motion
                 logged += 1
             following = change_motion(following, motion, chain.physics)
         body = following
         if last:
-            return Outcome(FINISHED, close, steps, logged, body, ledger)
-    return Outcome(OUT_OF_STEPS, elapsed, budget, logged, body, ledger)
+            return Outcome(FINISHED, close, steps, logged, body, ledger, AFRESH)
+    return Outcome(OUT_OF_STEPS, elapsed, budget, logged, body, ledger, AFRESH)
 
 
 @compiled

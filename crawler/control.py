@@ -12,10 +12,13 @@ __all__ = [
     "MAX_STEPS",
     "METHODS",
     "OUT_OF_STEPS",
+    "PAUSED",
+    "SAMPLES_A_STEP",
     "STEPS_A_HOLD",
     "TAYLOR",
     "ClosedForm",
     "Control",
+    "Leg",
     "Method",
     "Outcome",
     "Pace",
@@ -29,12 +32,14 @@ __all__ = [
     "method_of",
 ]
 
-FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL = 0, 1, 2, 3
+FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL, PAUSED = 0, 1, 2, 3, 4
 
 # Half a second of work, ten thousand times what the default crawler needs for a hold of 20.
 MAX_STEPS = 1_000_000
 # Steps that a run may take besides for each of its holds.
 STEPS_A_HOLD = 1000
+# Samples that take as long as a step.
+SAMPLES_A_STEP = 10
 
 
 class Taylor8(NamedTuple):
@@ -103,17 +108,6 @@ class Control(NamedTuple):
     method: Method  # its type alone matters: kernels are compiled for the one that is used
 
 
-class Outcome(NamedTuple):
-    """What a hold, or a run, came to."""
-
-    status: int  # FINISHED, DIVERGED, OUT_OF_STEPS or LOG_FULL
-    elapsed: float  # time into the hold that was reached
-    steps: int  # taken
-    logged: int  # events written
-    body: Body
-    ledger: Ledger
-
-
 class Pace(NamedTuple):
     """What one step tells the next of the same motion."""
 
@@ -121,6 +115,27 @@ class Pace(NamedTuple):
     span: float  # of the step whose polynomials lie in the workspace; 0 without one
     begin: float  # of the next step, in those polynomials' time: `span`, or 0 to do the same step again
     error: float  # of that step, in tolerances; 0 for a Taylor series
+
+
+class Outcome(NamedTuple):
+    """What a hold, or a run, came to."""
+
+    status: int  # FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL or PAUSED
+    elapsed: float  # time into the hold that was reached
+    steps: int  # taken
+    logged: int  # events written
+    body: Body
+    ledger: Ledger
+    pace: Pace
+
+
+class Leg(NamedTuple):
+    """Where a stretch of the valve that was paused goes on, and when it is to pause again."""
+
+    opening: Body  # at the stretch's begin
+    elapsed: float  # time into the hold that is behind
+    pace: Pace
+    steps: int  # to take at most until the next pause
 
 
 def method_of(control: Any) -> type[Method]:

@@ -10,10 +10,21 @@ from numpy.typing import NDArray
 from ..compilation import compiled, OPTIONS
 from .advance import advance
 from .body import Body, Ledger, Physics
-from .control import ClosedForm, Control, FINISHED, method_of, Outcome
+from .control import (
+    AFRESH,
+    ClosedForm,
+    Control,
+    FINISHED,
+    Leg,
+    method_of,
+    Outcome,
+    PAUSED,
+    SAMPLES_A_STEP,
+)
 from .linear import advance_linear
+from .progress import keep, opening_of, outcome_of, run_through, steps_of_a_call, stretch_of
 
-__all__ = ["advance_by_method", "drive"]
+__all__ = ["advance_by_method", "drive", "stretch_at"]
 
 
 def advance_by_method(
@@ -29,6 +40,7 @@ def advance_by_method(
     workspace: NDArray[np.float64],
     begin: float = 0.0,
     end: float = math.inf,
+    leg: Leg | None = None,
 ) -> Outcome:
     """A hold or a part of one by the control's method, in compiled code alone: see `advance`, `advance_linear`."""
     raise NotImplementedError
@@ -48,12 +60,12 @@ def _compiled_advance(
     workspace: NDArray[np.float64],
     begin: float = 0.0,
     end: float = math.inf,
+    leg: Leg | None = None,
 ) -> Any:
     kernel: Any = advance_linear if method_of(control) is ClosedForm else advance
     return kernel.py_func
 
 
-@compiled
 def drive(
     body: Body,
     coefficients: Physics,
@@ -89,17 +101,35 @@ def drive(
     finished : int
         Holds completed.
     """
+    return run_through(_drive_on, body, coefficients, schedule, hold, control, samples, events, workspace)
+
+
+@compiled
+def _drive_on(
+    state: NDArray[np.float64],
+    coefficients: Physics,
+    schedule: NDArray[np.float64],
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+) -> None:
+    """Go on with the run that `state` tells of, see `run_through`."""
+    so_far = outcome_of(state)
+    opening, body, ledger, pace = opening_of(state), so_far.body, so_far.ledger, so_far.pace
+    elapsed, steps, logged = so_far.elapsed, so_far.steps, so_far.logged
     each = samples.shape[1] // len(schedule)
-    ledger = Ledger(0.0, 0.0, 0.0)
-    logged = 0
-    steps = 0
+    until_pause = steps_of_a_call(state)
     # Every hold is a stretch of the open valve and one of the shut; most often one of the two is empty.
-    for stretch in range(2 * len(schedule)):
+    for stretch in range(stretch_of(state), 2 * len(schedule)):
         k = stretch // 2
-        opened = schedule[k] * hold
-        valve, begin, end = (1.0, 0.0, opened) if stretch % 2 == 0 else (0.0, opened, hold)
+        valve, begin, end = stretch_at(stretch, schedule, hold)
         if not begin < end:
             continue
+        if until_pause <= 0:
+            keep(state, Outcome(PAUSED, elapsed, steps, logged, body, ledger, pace), stretch, opening)
+            return
         left = Control(
             control.tolerance,
             control.order,
@@ -121,11 +151,31 @@ def drive(
             workspace,
             begin,
             end,
+            Leg(opening, max(begin, elapsed), pace, until_pause),
         )
         body = outcome.body
         ledger = outcome.ledger
         logged += outcome.logged
         steps += outcome.steps
+        until_pause -= outcome.steps + each // SAMPLES_A_STEP
         if outcome.status != FINISHED:
-            return Outcome(outcome.status, outcome.elapsed, steps, logged, body, ledger), k
-    return Outcome(FINISHED, hold, steps, logged, body, ledger), len(schedule)
+            keep(
+                state,
+                Outcome(outcome.status, outcome.elapsed, steps, logged, body, ledger, outcome.pace),
+                stretch,
+                opening,
+            )
+            return
+        opening = body
+        elapsed = 0.0
+        pace = AFRESH
+    keep(state, Outcome(FINISHED, hold, steps, logged, body, ledger, AFRESH), 2 * len(schedule), body)
+
+
+@compiled
+def stretch_at(stretch: int, schedule: NDArray[np.float64], hold: float) -> tuple[float, float, float]:
+    """State of the valve in a stretch, and the times into its hold between which it lies."""
+    opened = schedule[stretch // 2] * hold
+    if stretch % 2 == 0:
+        return 1.0, 0.0, opened
+    return 0.0, opened, hold

@@ -13,7 +13,7 @@ from ..compilation import allocating, compiled
 from .advance import is_near, moment_of, record, sampled_by
 from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
 from .closed_form import Propagator, propagator, Rates, rates_of, tabulated
-from .control import Control, DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS, Outcome, Taylor20
+from .control import AFRESH, Control, DIVERGED, FINISHED, Leg, LOG_FULL, OUT_OF_STEPS, Outcome, PAUSED, Taylor20
 from .equations import acceleration_at_no_force, force, moved, retardation
 from .events import change_motion, comes_to_rest, foot_speed, motion_after_rest
 from .groups import Groups
@@ -62,14 +62,15 @@ def advance_linear(
     workspace: NDArray[np.float64],
     begin: float = 0.0,
     end: float = math.inf,
+    leg: Leg | None = None,
 ) -> Outcome:
     """Advance one linear crawler by one hold of the valve, or by a part of one.
 
     Parameters
     ----------
-    body, ledger, physics, valve, hold, control, start, samples, events, begin, end
+    body, ledger, physics, valve, hold, control, start, samples, events, begin, end, leg
         As for `advance`. Of `control` the tolerance and the order do not matter, and `max_steps` bounds the
-        evaluations in search of events.
+        evaluations in search of events; it pauses between two events only.
     workspace : (2 S, ENTRIES) array
         From `tabulate`, for this crawler, hold and number S of samples.
 
@@ -78,12 +79,16 @@ def advance_linear(
     Outcome
     """
     count = samples.shape[1]
-    done = sampled_by(begin, hold, count)
-    logged = 0
     elapsed = begin
+    if leg is not None:
+        elapsed = leg.elapsed
+    done = sampled_by(elapsed, hold, count)
+    logged = 0
     close = min(end, hold)
     spent = 0
     while True:
+        if leg is not None and spent >= leg.steps:
+            return Outcome(PAUSED, elapsed, spent, logged, body, ledger, AFRESH)
         rates = rates_of(physics, body.motion)
         deviating = deviation(body, physics, valve, rates)
         length = close - elapsed
@@ -98,7 +103,7 @@ def advance_linear(
         moment, motion, looks = _next_event(body, deviating, physics, valve, rates, length, whole, budget)
         spent += looks + 1
         if spent >= control.max_steps:
-            return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger)
+            return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger, AFRESH)
         last = motion == body.motion
         reached = close if last else elapsed + moment
         following = body
@@ -120,7 +125,7 @@ def advance_linear(
             over = whole if last else propagator(rates, moment)
             following = _carried(body, deviating, physics, valve, over, moment)
         if not is_near(following):
-            return Outcome(DIVERGED, elapsed, spent, logged, body, ledger)
+            return Outcome(DIVERGED, elapsed, spent, logged, body, ledger, AFRESH)
         if control.energy:
             ended = deviation(following, physics, valve, rates)
             ledger = account_linear(ledger, body, following, physics, valve, rates, deviating, ended, moment)
@@ -129,13 +134,13 @@ def advance_linear(
             following = change_motion(following, motion, physics)
             if control.log:
                 if logged == events.shape[0]:
-                    return Outcome(LOG_FULL, elapsed, spent, logged, body, ledger)
+                    return Outcome(LOG_FULL, elapsed, spent, logged, body, ledger, AFRESH)
                 events[logged, 0] = start + elapsed
                 events[logged, 1] = motion
                 logged += 1
         body = following
         if last:
-            return Outcome(FINISHED, close, spent, logged, body, ledger)
+            return Outcome(FINISHED, close, spent, logged, body, ledger, AFRESH)
 
 
 @compiled
