@@ -22,17 +22,11 @@ lint: $(VENV)/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-# mypy and import-linter see the whole package only where it is installed as files.
-types: build/installed
-	cd build/installed && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p stickslip
+types: $(VENV)/ready
+	$(BIN)/mypy -p stickslip
 
-layers: build/installed
-	cd build/installed && PYTHONPATH=. ../../$(BIN)/lint-imports --config ../../pyproject.toml --no-cache
-
-build/installed: $(VENV)/ready $(shell find $(SOURCES) -name '*.py') pyproject.toml
-	rm -rf build
-	$(BIN)/python -m pip install --quiet --no-deps --target build/installed .
-	touch build/installed
+layers: $(VENV)/ready
+	$(BIN)/lint-imports --no-cache
 
 package: $(VENV)/ready
 	rm -rf dist
@@ -52,4 +46,4 @@ $(VENV)/kernels: $(VENV)/ready $(KERNELS)
 	touch $@
 
 clean:
-	rm -rf $(VENV) build dist runs *.egg-info
+	rm -rf $(VENV) build dist runs *.egg-info src/*.egg-info

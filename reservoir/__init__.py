@@ -46,13 +46,15 @@ __all__ = [
 _ESTIMATORS = ("RecursiveLeastSquaresReadout", "RidgeReadout")
 
 
-def __getattr__(name: str) -> Any:
-    # scikit-learn takes a second to import, and whoever only steps an environment needs none of it.
-    if name in _ESTIMATORS:
-        from . import readouts
+if not TYPE_CHECKING:
 
-        return getattr(readouts, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    def __getattr__(name: str) -> Any:
+        # scikit-learn takes a second to import, and whoever only steps an environment needs none of it.
+        if name in _ESTIMATORS:
+            from . import readouts
+
+            return getattr(readouts, name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -5,9 +5,14 @@ matplotlib are imported by the parts that use them. The names below are imported
 """
 
 from importlib import import_module
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from gymnasium.envs.registration import register
+
+if TYPE_CHECKING:
+    from .crawler import Actuator, Groups, Scene, simulate, Trajectory
+    from .reservoir import memory_capacity
+    from .tasks.transformer import CrawlerReservoir
 
 __version__ = "0.1.0"
 
@@ -40,10 +45,13 @@ register(
 )
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
+# Hidden from type checkers, to whom every name would be known, and of any type.
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOME:
+            raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
+        return getattr(import_module(_HOME[name]), name)
 
 
 def __dir__() -> list[str]:

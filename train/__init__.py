@@ -5,17 +5,23 @@ below are imported on first use.
 """
 
 from importlib import import_module
-from typing import Any
+from typing import Any, TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .threads import library_threads
+    from .vec_env import StickSlipVecEnv
 
 _HOME = {"StickSlipVecEnv": ".vec_env", "library_threads": ".threads"}
 
 __all__ = ["StickSlipVecEnv", "library_threads"]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'stickslip.train' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name], __name__), name)
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOME:
+            raise AttributeError(f"module 'stickslip.train' has no attribute {name!r}")
+        return getattr(import_module(_HOME[name], __name__), name)
 
 
 def __dir__() -> list[str]:
