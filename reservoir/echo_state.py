@@ -1,23 +1,44 @@
-"""The echo-state network: the standard reservoir to compare with."""
+"""Echo-state networks: the standard reservoirs to compare with."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array, number_within, whole_number
+from ..compilation import compiled
+from ..validation import finite_array, known_names, number_within, whole_number
+
+__all__ = ["TOPOLOGIES", "EchoStateNetwork"]
+
+TOPOLOGIES = ("random", "cycle", "orthogonal")
+"""How the nodes of a network may be connected."""
+
+_Array = NDArray[np.float64]
+
+_MOST_SKIPPED = 50
+_SINGULAR = 0.05
 
 
 @dataclass(frozen=True)
 class EchoStateNetwork:
-    """Random recurrent network of leaky tanh nodes with one input [1]_.
+    """Recurrent network of leaky tanh nodes with one input [1]_.
 
     ::
 
         x(k) = (1 - leak) x(k-1) + leak tanh(W x(k-1) + W_in u(k) + b)
 
-    W is normal and scaled to its spectral radius; W_in and b are uniform in [-input_scaling, input_scaling].
-    The bias breaks the odd symmetry of tanh, without which no product of two inputs could be read out.
+    W is `spectral_radius` times a matrix of spectral radius 1, chosen by `topology`:
+
+    - "random": normal entries [1]_.
+    - "orthogonal": uniform among orthogonal matrices, which remember best of all random ones while tanh is linear [2]_.
+    - "cycle": each node feeds the next one and nothing else. With input weights of one size, whose signs are by the
+      digits of pi (from the first one at which they are not singular, which 2 nodes are at any), and no bias, this is
+      the simple cycle reservoir [3]_. Nothing in it is random. While tanh is linear, its memory of the input
+      ``d = j nodes + i`` samples ago, 0 <= i < nodes, is ``r^(2 j nodes) (1 - r^(2 nodes))`` with r the spectral
+      radius; over all d it sums to `nodes`.
+
+    Of the others W_in and b are uniform in [-input_scaling, input_scaling]. The bias breaks the odd symmetry of tanh,
+    without which no product of two inputs could be read out. A cycle needs inputs with a mean for that.
 
     Attributes
     ----------
@@ -31,21 +52,27 @@ class EchoStateNetwork:
     leak : float, in (0, 1]
         Share of a node's state that is renewed at each step; 1 is no leak.
     density : float, in (0, 1]
-        Probability that an entry of W is not zero. Sparse pays only with hundreds of nodes.
+        Probability that an entry of a random W is not zero. Sparse pays only with hundreds of nodes.
     seed : int
         Of the random weights. Networks that are equal have equal weights.
+    topology : {"random", "cycle", "orthogonal"}
+        How the nodes are connected.
 
     Raises
     ------
     TypeError
         If `nodes` or `seed` is not an integer.
     ValueError
-        If a number is out of range, or W came out without a single cycle, which no scaling can help.
+        If a number is out of range, the topology unknown, `density` given for another topology than the random one,
+        or W came out without a single cycle, which no scaling can help.
 
     References
     ----------
     .. [1] H. Jaeger, "The 'echo state' approach to analysing and training recurrent neural networks", GMD
        Report 148, 2001.
+    .. [2] O. L. White, D. D. Lee and H. Sompolinsky, "Short-term memory in orthogonal neural networks", Phys. Rev.
+       Lett. 92, 148102, 2004.
+    .. [3] A. Rodan and P. Tino, "Minimum complexity echo state network", IEEE Trans. Neural Networks 22, 131, 2011.
     """
 
     nodes: int
@@ -54,6 +81,7 @@ class EchoStateNetwork:
     leak: float = 1.0
     density: float = 1.0
     seed: int = 0
+    topology: str = "random"
 
     def __post_init__(self) -> None:
         whole_number("nodes", self.nodes, 1)
@@ -62,8 +90,11 @@ class EchoStateNetwork:
         number_within("leak", self.leak, "(0, 1]")
         number_within("density", self.density, "(0, 1]")
         whole_number("seed", self.seed, 0)
+        known_names("topology", [self.topology], TOPOLOGIES)
+        if self.density != 1.0 and self.topology != "random":
+            raise ValueError(f"density must be 1 unless the topology is random, got {self.density}")
 
-    def states(self, signal: ArrayLike) -> NDArray[np.float64]:
+    def states(self, signal: ArrayLike) -> _Array:
         """Drive the network from rest.
 
         Parameters
@@ -84,19 +115,77 @@ class EchoStateNetwork:
         recurrent, inward, bias = self._weights()
         drive = signal[:, None] * inward + bias
         states = np.empty_like(drive)
-        state = np.zeros(self.nodes)
-        for k, push in enumerate(drive):
-            state = (1 - self.leak) * state + self.leak * np.tanh(recurrent @ state + push)
-            states[k] = state
+        _follow(np.ascontiguousarray(recurrent.T), drive, self.leak, states)
         return states
 
-    def _weights(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def _weights(self) -> tuple[_Array, _Array, _Array]:
         # A stream of its own: the input is often drawn with the same seed, and must not share its draws.
         random = np.random.default_rng([self.seed, self.nodes])
+        if self.topology == "cycle":
+            inward = self.input_scaling * _aperiodic_signs(self.nodes)
+            return self.spectral_radius * np.roll(np.eye(self.nodes), 1, axis=0), inward, np.zeros(self.nodes)
         shape = (self.nodes, self.nodes)
-        recurrent = random.standard_normal(shape) * (random.random(shape) < self.density)
+        recurrent = random.standard_normal(shape)
+        if self.topology == "random":
+            recurrent = recurrent * (random.random(shape) < self.density)
         inward, bias = random.uniform(-self.input_scaling, self.input_scaling, (2, self.nodes))
+        if self.topology == "orthogonal":
+            rotation, triangle = np.linalg.qr(recurrent)
+            # The signs make it uniform: F. Mezzadri, Notices of the AMS 54, 592, 2007.
+            return self.spectral_radius * rotation * np.sign(np.diag(triangle)), inward, bias
         radius = np.abs(np.linalg.eigvals(recurrent)).max()
         if radius == 0:
             raise ValueError(f"density must be larger for {self.nodes} nodes to form a cycle, got {self.density}")
         return recurrent * (self.spectral_radius / radius), inward, bias
+
+
+def _aperiodic_signs(count: int) -> _Array:
+    """Signs by the digits of pi, from the first digit after the point at which a cycle of them is not singular.
+
+    Where their Fourier transform has a zero, states never leave a subspace and memory is lost: 6 signs from the first
+    digit on are such.
+    """
+    signs = _signs_of_pi(count + _MOST_SKIPPED)
+    for first in range(_MOST_SKIPPED):
+        tried = signs[first : first + count]
+        if np.abs(np.fft.fft(tried)).min() > _SINGULAR:
+            break
+    return tried
+
+
+def _signs_of_pi(count: int) -> _Array:
+    """1 where a digit of pi after the point is 5 or more, -1 elsewhere; by Machin's formula in whole numbers."""
+    unit = 10 ** (count + 10)
+
+    def arctan_of_inverse(x: int) -> int:
+        term = unit // x
+        total, power, sign = term, 1, -1
+        while term:
+            term //= x * x
+            power += 2
+            total += sign * (term // power)
+            sign = -sign
+        return total
+
+    digits = str(4 * (4 * arctan_of_inverse(5) - arctan_of_inverse(239)))[1 : count + 1]
+    return np.array([1.0 if digit >= "5" else -1.0 for digit in digits])
+
+
+@compiled
+def _follow(outward: _Array, drive: _Array, leak: float, states: _Array) -> None:
+    """Step the network from rest: row j of `outward` is what node j feeds to each, `drive` what comes from outside.
+
+    The sums go into `drive`.
+    """
+    samples, nodes = drive.shape
+    for k in range(samples):
+        push = drive[k]
+        if k > 0:
+            # Node by node over all that it feeds: such a loop is vectorised, a sum is not.
+            for j in range(nodes):
+                state = states[k - 1, j]
+                for i in range(nodes):
+                    push[i] += outward[j, i] * state
+        for i in range(nodes):
+            kept = states[k - 1, i] if k > 0 else 0.0
+            states[k, i] = (1.0 - leak) * kept + leak * np.tanh(push[i])

@@ -20,9 +20,9 @@ from .tasks.benchmark_figures import plot_information, plot_predictions, plot_pr
 from .tasks.measures import MEASURES
 from .tasks.probe import probes
 from .tasks.records import Record, Records
-from .tasks.report import as_json, as_markdown, as_rows, estimates
+from .tasks.report import as_json, as_markdown, as_rows, differences, estimates
 from .tasks.sweep import parse_sweep, with_value
-from .validation import whole_number
+from .validation import known_names, whole_number
 
 __all__ = ["Bench"]
 
@@ -85,6 +85,9 @@ class Bench:
         Samples of a repetition, and those at its start that are not scored.
     body : mapping
         Arguments of `BodyReservoir` for all bodies, ready for JSON.
+    against : str or None
+        The reservoir (or swept value, such as ``hold = 0.5``) that the others are compared with, draw by draw; the
+        first one by default.
     resume : bool
         Whether to go on with what the folder holds. It must have been made with the same settings, tasks, measures
         and reservoirs; tasks, reservoirs, seeds and swept values may be added.
@@ -102,11 +105,12 @@ class Bench:
         tasks: str | None = None,
         reservoirs: str | None = None,
         sweep: str | None = None,
-        seeds: int = 5,
+        seeds: int = 15,
         features: int = 12,
         length: int = 4000,
         washout: int = 200,
         body: Mapping[str, Any] | None = None,
+        against: str | None = None,
         resume: bool = False,
     ) -> None:
         self.folder = folder
@@ -133,6 +137,8 @@ class Bench:
             "sweep": None if self._swept is None else self._swept[0],
             **(body or {}),
         }
+        self.against = next(iter(self._reservoirs)) if against is None else against
+        known_names("--against", [self.against], tuple(self._reservoirs))
         self._made_for = {**self._settings, **probes(self._tasks, self._reservoirs)}
         self._records = Records(folder / _FINISHED, self._made_for, resume=resume)
 
@@ -178,39 +184,50 @@ class Bench:
             finally:
                 pool.shutdown(cancel_futures=True)
 
-    def report(self) -> list[list[str]]:
-        """Write JSON, the table and the figures.
+    def report(self) -> tuple[list[list[str]], list[list[str]]]:
+        """Write JSON, the tables and the figures.
 
         Returns
         -------
-        list of list of str
-            The table, under a row of headings.
+        scores, differences : list of list of str
+            Two tables, each under a row of headings; the second without any where there is one reservoir alone.
         """
         kept = self._records.load()
         records = [kept[key] for key in product(self._tasks, self._reservoirs, self._seeds)]
         found = estimates(records)
-        rows = as_rows(found, self._tasks)
+        paired = differences(records, self.against)
+        rows, compared = as_rows(found, self._tasks), as_rows(paired, self._tasks, signed=True) if paired else []
         inputs = {
             **self._settings,
             "tasks": list(self._tasks),
             "reservoirs": {name: repr(reservoir) for name, reservoir in self._reservoirs.items()},
             "seeds": list(self._seeds),
+            "against": self.against,
         }
-        text = json.dumps(as_json(records, found, inputs), indent=1) + "\n"
+        text = json.dumps(as_json(records, found, paired, inputs), indent=1) + "\n"
         atomically(self.folder / "benchmark.json", lambda path: path.write_text(text, encoding="utf-8"))
         page = as_markdown(rows) + "\n"
+        if compared:
+            page += f"\nDifferences from {self.against} on the same draws:\n\n{as_markdown(compared)}\n"
         atomically(self.folder / "table.md", lambda path: path.write_text(page, encoding="utf-8"))
-        for name, figure in self._figures(records, found):
+        for name, figure in self._figures(records, found, paired):
             save_figure(figure, self.folder / f"{name}.png")
-        return rows
+        return rows, compared
 
-    def _figures(self, records: list[Record], found: Mapping[tuple[str, str], Estimate]) -> Iterator[tuple[str, Any]]:
+    def _figures(
+        self,
+        records: list[Record],
+        found: Mapping[tuple[str, str], Estimate],
+        paired: Mapping[tuple[str, str], Estimate],
+    ) -> Iterator[tuple[str, Any]]:
         if self._swept is not None:
             name, values = self._swept
             by_task = {title: [found[title, reservoir] for reservoir in self._reservoirs] for title in self._tasks}
             yield "sweep", plot_sweep(name, values, by_task, self._tasks)
             return
         yield "scores", plot_scores(found, self._tasks)
+        if paired:
+            yield "differences", plot_scores(paired, self._tasks, against=self.against)
         series = [title for title, task in self._tasks.items() if isinstance(task, SeriesTask)]
         for name, wanted, plot in (
             ("profiles", [record for record in records if "profile" in record.details], plot_profiles),

@@ -198,13 +198,17 @@ def bench(
     sweep: Annotated[
         str | None, typer.Option(help="Instead of reservoirs: a number of the crawler, such as 'hold=0.25,0.5,1'.")
     ] = None,
-    seeds: Annotated[int, typer.Option(help="Repetitions, each with its own inputs and random weights.")] = 5,
+    seeds: Annotated[int, typer.Option(help="Repetitions, each with its own inputs and random weights.")] = 15,
     features: Annotated[int, typer.Option(help="Of every reservoir, a multiple of 3.")] = 12,
     length: Annotated[int, typer.Option(help="Samples of a repetition.")] = 4000,
     washout: Annotated[int, typer.Option(help="Samples at its start that are not scored.")] = 200,
     hold: Annotated[float, typer.Option(help="Length of a hold, natural time.")] = 0.5,
     groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
     scene: Annotated[str, typer.Option(help="JSON such as '{\"ratchet\": false}'.")] = "{}",
+    against: Annotated[
+        str | None,
+        typer.Option(help="Reservoir that the others are compared with, draw by draw; the first by default."),
+    ] = None,
     processes: Annotated[int, typer.Option(help="To share the work among.")] = 1,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what the folder holds.")] = False,
 ) -> None:
@@ -227,23 +231,19 @@ def bench(
         length=length,
         washout=washout,
         body=body,
+        against=against,
         resume=resume,
     )
     with _progress_bar() as bar:
         task = bar.add_task("scoring", total=benchmark.total)
         for finished in benchmark.run(processes):
             bar.update(task, completed=finished)
-    rows = benchmark.report()
+    scores, differences = benchmark.report()
     interval = "" if seeds == 1 else f", mean ± half its 95% interval over {seeds} seeds"
-    table = Table(title=f"{features} features{interval}", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1))
-    for index, heading in enumerate(rows[0]):
-        table.add_column(heading, justify="right" if index else "left", no_wrap=True)
-    for row in rows[1:]:
-        table.add_row(*row)
+    _print_table(f"{features} features{interval}", scores)
+    if differences:
+        _print_table(f"differences from {benchmark.against} on the same draws{interval}", differences)
     console = Console()
-    # A table that is wider than the terminal is better scrolled or piped than cut.
-    wide = Measurement.get(console, console.options.update(max_width=1000), table).maximum
-    Console(width=max(console.width, wide)).print(table)
     console.print(f"Tables, figures and scores: {output}", highlight=False)
 
 
@@ -312,6 +312,19 @@ def search(
     atomically(output / "best.json", lambda path: path.write_text(text, encoding="utf-8"))
     typer.echo(repr(found.reservoir))
     typer.echo(f"{task}: {test.mean:.4f}, 95% interval {test.low:.4f} to {test.high:.4f} over {test.runs} test seeds")
+
+
+def _print_table(title: str, rows: list[list[str]]) -> None:
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1))
+    for index, heading in enumerate(rows[0]):
+        table.add_column(heading, justify="right" if index else "left", no_wrap=True)
+    for row in rows[1:]:
+        table.add_row(*row)
+    console = Console()
+    console.print(title, highlight=False, soft_wrap=True)
+    # A table that is wider than the terminal is better scrolled or piped than cut.
+    wide = Measurement.get(console, console.options.update(max_width=1000), table).maximum
+    Console(width=max(console.width, wide)).print(table)
 
 
 def _work_precision_table(study: "WorkPrecision") -> Table:

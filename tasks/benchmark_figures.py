@@ -28,18 +28,22 @@ _DRAWN_TOGETHER = ("crawler", "delay line", "echo-state network")
 _ALPHA = 0.2
 
 
-def plot_scores(found: Mapping[tuple[str, str], Estimate], tasks: Mapping[str, Task]) -> Figure:
+def plot_scores(
+    found: Mapping[tuple[str, str], Estimate], tasks: Mapping[str, Task], *, against: str | None = None
+) -> Figure:
     """All tasks on all reservoirs: a panel a kind of score, a row a task, a marker a reservoir.
 
     Parameters
     ----------
     found : mapping of (task, reservoir) to Estimate
     tasks : mapping of str to Task
+    against : str, optional
+        The reservoir from which `found` are the differences.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Bars are 95% intervals; the dashed line is what a reservoir scores that knows nothing.
+        Bars are 95% intervals; the dashed line is what a reservoir scores that knows nothing, or no difference.
     """
     # matplotlib is optional, and slow to import
     from matplotlib import pyplot as plt
@@ -47,7 +51,7 @@ def plot_scores(found: Mapping[tuple[str, str], Estimate], tasks: Mapping[str, T
     from ..crawler.plotting import house_style
 
     titles = list(dict.fromkeys(task for task, _ in found))
-    styles = _styles(list(dict.fromkeys(reservoir for _, reservoir in found)))
+    styles = _styles(list(dict.fromkeys(reservoir for _, reservoir in found)), without=against)
     kinds = list(dict.fromkeys(tasks[title].metric.name for title in titles))
     of_kind = {kind: [title for title in titles if tasks[title].metric.name == kind] for kind in kinds}
     with house_style():
@@ -76,13 +80,22 @@ def plot_scores(found: Mapping[tuple[str, str], Estimate], tasks: Mapping[str, T
                     label=reservoir,
                 )
             for row, title in enumerate(rows):
-                ax.vlines(tasks[title].metric.chance, row - 0.45, row + 0.45, color="0.5", lw=0.8, ls="--", zorder=0)
+                ax.vlines(
+                    tasks[title].metric.chance if against is None else 0.0,
+                    row - 0.45,
+                    row + 0.45,
+                    color="0.5",
+                    lw=0.8,
+                    ls="--",
+                    zorder=0,
+                )
                 if row % 2 == 1:
                     ax.axhspan(row - 0.5, row + 0.5, color="0.95", lw=0, zorder=-1)
             ax.set_yticks(range(len(rows)), [f"{title} {_arrow(tasks[title])}" for title in rows])
             ax.set_ylim(len(rows) - 0.5, -0.5)
             ax.tick_params(axis="y", length=0)
-            ax.set_xlabel(_UNITS.get(kind, kind))
+            difference = "" if against is None else f"difference from the {against}: "
+            ax.set_xlabel(difference + _UNITS.get(kind, kind))
         figure.align_ylabels()
         handles, labels = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(styles)))
@@ -301,14 +314,21 @@ def _order(records: Sequence[Record]) -> tuple[list[str], dict[str, tuple[str, s
     return titles, _styles(list(dict.fromkeys(record.reservoir for record in records)))
 
 
-def _styles(reservoirs: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Colour and marker of each reservoir; the eighth colour and those after it come again with another marker."""
+def _styles(reservoirs: Sequence[str], without: str | None = None) -> dict[str, tuple[str, str]]:
+    """Colour and marker of each reservoir; the eighth colour and those after it come again with another marker.
+
+    One that is left out, and so has no place among the others, takes the first.
+    """
     from ..crawler.plotting import MARKERS, OKABE_ITO
 
     # Yellow is hardly seen on white, and a star is small.
     colors = [*OKABE_ITO[:6], OKABE_ITO[7]]
     markers = MARKERS.replace("*", "")
-    return {name: (colors[index % len(colors)], markers[index % len(markers)]) for index, name in enumerate(reservoirs)}
+    first = 0 if without is None else 1
+    return {
+        name: (colors[index % len(colors)], markers[index % len(markers)])
+        for index, name in enumerate(reservoirs, start=first)
+    }
 
 
 def _band(of_seeds: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

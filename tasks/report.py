@@ -1,4 +1,4 @@
-"""What a benchmark came to: means with intervals over seeds, as a table and as JSON."""
+"""What a benchmark came to: means and paired differences with intervals over seeds, as tables and as JSON."""
 
 import math
 import platform
@@ -7,10 +7,11 @@ from importlib.metadata import version
 from typing import Any
 
 from ..reservoir import Estimate, mean_over_runs
+from ..validation import known_names
 from .records import Record
 from .task import Task
 
-__all__ = ["as_json", "as_markdown", "as_rows", "estimates", "versions"]
+__all__ = ["as_json", "as_markdown", "as_rows", "differences", "estimates", "versions"]
 
 _LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "scikit-learn")
 _DIGITS = {"NRMSE": 3, "accuracy": 3}
@@ -30,7 +31,41 @@ def estimates(records: Iterable[Record]) -> dict[tuple[str, str], Estimate]:
     }
 
 
-def as_rows(found: Mapping[tuple[str, str], Estimate], tasks: Mapping[str, Task]) -> list[list[str]]:
+def differences(records: Iterable[Record], reference: str) -> dict[tuple[str, str], Estimate]:
+    """Mean difference of each reservoir's score from that of a reference on the same draws, with its 95% interval.
+
+    What makes one draw harder than another for both drops out, so that a difference is known better than either score.
+
+    Parameters
+    ----------
+    records : iterable of Record
+        With the reference's on every task and seed.
+    reference : str
+        A reservoir's name.
+
+    Returns
+    -------
+    dict of (task, reservoir) to Estimate
+        Of the other reservoirs, in order of first appearance.
+
+    Raises
+    ------
+    ValueError
+        If there is no record of the reference.
+    """
+    records = list(records)
+    known_names("against", [reference], dict.fromkeys(record.reservoir for record in records))
+    base = {(record.task, record.seed): record.score for record in records if record.reservoir == reference}
+    return estimates(
+        record._replace(score=record.score - base[record.task, record.seed])
+        for record in records
+        if record.reservoir != reference
+    )
+
+
+def as_rows(
+    found: Mapping[tuple[str, str], Estimate], tasks: Mapping[str, Task], *, signed: bool = False
+) -> list[list[str]]:
     """Lay estimates out as text, a row a task and a column a reservoir, under a row of headings.
 
     Parameters
@@ -39,6 +74,8 @@ def as_rows(found: Mapping[tuple[str, str], Estimate], tasks: Mapping[str, Task]
         Every task on every reservoir.
     tasks : mapping of str to Task
         Which way is better, told by an arrow.
+    signed : bool
+        Whether a number that is positive has a plus, as a difference has.
 
     Returns
     -------
@@ -50,7 +87,7 @@ def as_rows(found: Mapping[tuple[str, str], Estimate], tasks: Mapping[str, Task]
     for task in dict.fromkeys(task for task, _ in found):
         metric = tasks[task].metric
         digits = _DIGITS.get(metric.name, 2)
-        cells = [_cell(found[task, reservoir], digits) for reservoir in reservoirs]
+        cells = [_cell(found[task, reservoir], digits, "+" if signed else "") for reservoir in reservoirs]
         rows.append([f"{task} {'↑' if metric.more_is_better else '↓'}", *cells])
     return [["task", *reservoirs], *rows]
 
@@ -62,23 +99,18 @@ def as_markdown(rows: list[list[str]]) -> str:
 
 
 def as_json(
-    records: Iterable[Record], found: Mapping[tuple[str, str], Estimate], inputs: Mapping[str, Any]
+    records: Iterable[Record],
+    found: Mapping[tuple[str, str], Estimate],
+    paired: Mapping[tuple[str, str], Estimate],
+    inputs: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Inputs, versions, means and every score, ready for JSON."""
+    """Inputs, versions, means, paired differences and every score, ready for JSON."""
     return {
         "inputs": dict(inputs),
         "versions": versions(),
-        "interval": "95%, Student's t over seeds",
-        "means": [
-            {
-                "task": task,
-                "reservoir": reservoir,
-                "mean": each.mean,
-                "interval": None if math.isnan(each.low) else [each.low, each.high],
-                "seeds": each.runs,
-            }
-            for (task, reservoir), each in found.items()
-        ],
+        "interval": "95% of the mean over seeds",
+        "means": _listed(found),
+        "differences": _listed(paired),
         "scores": [
             {
                 **{name: value for name, value in record._asdict().items() if name != "details"},
@@ -89,11 +121,24 @@ def as_json(
     }
 
 
+def _listed(found: Mapping[tuple[str, str], Estimate]) -> list[dict[str, Any]]:
+    return [
+        {
+            "task": task,
+            "reservoir": reservoir,
+            "mean": each.mean,
+            "interval": None if math.isnan(each.low) else [each.low, each.high],
+            "seeds": each.runs,
+        }
+        for (task, reservoir), each in found.items()
+    ]
+
+
 def versions() -> dict[str, str]:
     """Of Python and of the libraries that the numbers come from."""
     return {"python": platform.python_version(), **{library: version(library) for library in _LIBRARIES}}
 
 
-def _cell(each: Estimate, digits: int) -> str:
+def _cell(each: Estimate, digits: int, sign: str) -> str:
     half = "" if math.isnan(each.low) else f" ± {(each.high - each.low) / 2:.{digits}f}"
-    return f"{each.mean:.{digits}f}{half}"
+    return f"{each.mean:{sign}.{digits}f}{half}"

@@ -5,6 +5,7 @@ Each call starts at rest: nothing of one series is left in the next.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..crawler import Groups, GroupsLike, Scene, simulate, Trajectory
 from ..crawler.simulation import HOLDS, TOLERANCES
 from ..crawler.tube import is_chain
 from ..reservoir import delay_line, EchoStateNetwork
-from ..validation import known_names, number_within, whole_number
+from ..validation import finite_array, known_names, number_within, whole_number
 from .encodings import encode, known_encoding, unit_series
 
 __all__ = [
@@ -208,12 +209,17 @@ class DelayLine:
         return delay_line(series, self.features)
 
 
+_RADII = (0.5, 0.7, 0.8, 0.9, 0.99)
+_SCALINGS = (0.01, 0.03, 0.1, 0.3, 1.0)
+
+
 @dataclass(frozen=True)
 class EchoState:
     """An echo-state network of so many nodes.
 
-    Left at a default it is no fair baseline: what is best differs from task to task. With `tune` it has `candidates`,
-    of which the benchmark takes, for every task and seed, the one that does best within the training data.
+    Left at a default it is no fair baseline: what is best differs from task to task and from size to size. With `tune`
+    it has `candidates`, of which the benchmark takes, for every task and seed, the one that does best within the
+    training data.
 
     Attributes
     ----------
@@ -224,6 +230,10 @@ class EchoState:
         Whether the two are to be chosen.
     leak : float, in (0, 1]
         As in `stickslip.reservoir.EchoStateNetwork`.
+    topology : {"random", "cycle", "orthogonal"}
+        As in `stickslip.reservoir.EchoStateNetwork`: "cycle" is the simple cycle reservoir.
+    centred : bool
+        Whether the series u drives the network as 2 u - 1, so that tanh is odd about its middle.
     """
 
     features: int
@@ -231,24 +241,26 @@ class EchoState:
     input_scaling: float = 0.1
     tune: bool = False
     leak: float = 1.0
+    topology: str = "random"
+    centred: bool = False
 
     def __post_init__(self) -> None:
         self._network(0)
 
     @property
     def candidates(self) -> tuple["EchoState", ...]:
-        """Networks of as many nodes over a grid of 4 spectral radii and 4 input scalings, or none without `tune`."""
+        """Networks of as many nodes over a grid of radii, input scalings and centred or not; none without `tune`."""
         if not self.tune:
             return ()
         return tuple(
-            replace(self, spectral_radius=radius, input_scaling=scaling, tune=False)
-            for radius in (0.6, 0.8, 0.9, 0.99)
-            for scaling in (0.05, 0.15, 0.5, 1.5)
+            replace(self, spectral_radius=radius, input_scaling=scaling, centred=centred, tune=False)
+            for radius, scaling, centred in product(_RADII, _SCALINGS, (False, True))
         )
 
     def __call__(self, series: ArrayLike, seed: int) -> NDArray[np.float64]:
         """States (samples, features) under `series` (samples,); the seed fixes the weights."""
-        return self._network(seed).states(series)
+        drive = finite_array("series", series, 1)
+        return self._network(seed).states(2 * drive - 1 if self.centred else drive)
 
     def _network(self, seed: int) -> EchoStateNetwork:
         return EchoStateNetwork(
@@ -257,6 +269,7 @@ class EchoState:
             input_scaling=self.input_scaling,
             leak=self.leak,
             seed=seed,
+            topology=self.topology,
         )
 
 
@@ -280,7 +293,8 @@ def known_reservoirs(features: int = 12, *, segments: int = 3, **body: Any) -> d
     Returns
     -------
     dict of str to Reservoir
-        "crawler", "anchored", "linear", "pressure only", "chain of N", "delay line" and "echo-state network".
+        "crawler", "anchored", "linear", "pressure only", "chain of N", "delay line", "echo-state network", "cycle
+        reservoir" and "orthogonal network", of which the last three are tuned.
 
     Raises
     ------
@@ -303,6 +317,8 @@ def known_reservoirs(features: int = 12, *, segments: int = 3, **body: Any) -> d
         f"chain of {segments}": replace(chain, virtual_nodes=max(1, features // chain.features)),
         "delay line": DelayLine(features),
         "echo-state network": EchoState(features, tune=True),
+        "cycle reservoir": EchoState(features, tune=True, topology="cycle"),
+        "orthogonal network": EchoState(features, tune=True, topology="orthogonal"),
     }
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..crawler import Groups, Scene
 from ..crawler.tube import is_chain
+from ..reservoir.echo_state import TOPOLOGIES
 from ..validation import known_names, number_within, whole_number
 from .encodings import ENCODINGS
 from .reservoirs import BodyReservoir, EchoState, Reservoir
@@ -202,7 +203,7 @@ def echo_state_space(features: int) -> Space:
     Returns
     -------
     Space
-        Over the spectral radius, the input scaling and the leak.
+        Over the topology, the spectral radius, the input scaling, the leak, and whether the drive is centred.
 
     Raises
     ------
@@ -214,6 +215,8 @@ def echo_state_space(features: int) -> Space:
         "spectral_radius": Range(0.1, 1.3),
         "input_scaling": Range(0.01, 5.0, log=True),
         "leak": Range(0.1, 1.0),
+        "topology": Choice(TOPOLOGIES),
+        "centred": Choice((False, True)),
     }
     return Space(dimensions, partial(_network, features))
 

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from stickslip.commands import run
@@ -150,6 +151,7 @@ def test_speed_and_accuracy_are_measured_and_a_choice_recommended(capsys, tmp_pa
         (["--sweep", "wheels=1,2"], "error: sweep has no 'wheels'; allowed are ['hold', 'amplitude', "),
         (["--sweep", "hold=-1,2"], "error: hold must be in "),
         (["--sweep", "hold=1,2", "--reservoirs", "crawler"], "error: --reservoirs must be left out where --sweep is"),
+        (["--reservoirs", "crawler", "--against", "delay line"], "error: --against has no 'delay line'"),
     ],
 )
 def test_a_benchmark_is_refused_in_one_line(capsys, tmp_path, arguments, message):
@@ -191,7 +193,8 @@ def test_a_benchmark_is_run_and_resumed(capsys, monkeypatch, tmp_path):
     printed = capsys.readouterr().out
     assert "6 features, mean ± half its 95% interval over 2 seeds" in printed
     assert "NARMA-2 NRMSE ↓" in printed
-    made = {f"{name}.png" for name in ("scores", "profiles", "information", "predictions")}
+    assert "differences from crawler on the same draws, mean ± half its 95% interval over 2 seeds" in printed
+    made = {f"{name}.png" for name in ("scores", "differences", "profiles", "information", "predictions")}
     assert made | {"benchmark.json", "table.md", "finished"} == {path.name for path in folder.iterdir()}
     found = json.loads((folder / "benchmark.json").read_text(encoding="utf-8"))
     assert (found["inputs"]["features"], found["inputs"]["seeds"]) == (6, [0, 1])
@@ -202,6 +205,11 @@ def test_a_benchmark_is_run_and_resumed(capsys, monkeypatch, tmp_path):
         length=600,
     )
     scores = {(score["task"], score["reservoir"], score["seed"]): score["score"] for score in found["scores"]}
+    [difference] = [each for each in found["differences"] if each["task"] == "memory capacity"]
+    line, crawler = (
+        np.mean([scores["memory capacity", name, seed] for seed in (0, 1)]) for name in ("delay line", "crawler")
+    )
+    assert (difference["reservoir"], difference["mean"]) == ("delay line", pytest.approx(line - crawler))
     assert len(scores) == 12
     for score in again:
         assert scores[score[:3]] == score.value

@@ -1,7 +1,9 @@
+import mpmath
 import numpy as np
 import pytest
 
 from stickslip.reservoir import delay_line, EchoStateNetwork, memory_capacity
+from stickslip.reservoir.echo_state import _aperiodic_signs, _signs_of_pi
 
 BITS = np.random.default_rng(0).integers(0, 2, 2000).astype(float)
 
@@ -25,6 +27,59 @@ def test_a_network_is_its_equation():
     before = np.vstack([np.zeros(5), states[:-1]])
     renewed = np.tanh(before @ recurrent.T + np.outer(BITS[:50], inward) + bias)
     np.testing.assert_allclose(states, 0.6 * before + 0.4 * renewed, atol=1e-14)
+
+
+def test_a_cycle_is_its_equation():
+    """Each node feeds the next. Signs by the digits 14159 of pi; no bias."""
+    network = EchoStateNetwork(5, spectral_radius=0.8, input_scaling=0.3, topology="cycle", seed=4)
+    states = network.states(BITS[:50])
+    before = np.vstack([np.zeros(5), states[:-1]])
+    signs = np.array([-1, -1, -1, 1, 1])
+    expected = np.tanh(0.8 * np.roll(before, 1, axis=1) + 0.3 * np.outer(BITS[:50], signs))
+    np.testing.assert_allclose(states, expected, atol=1e-14)
+    np.testing.assert_array_equal(states, EchoStateNetwork(5, 0.8, 0.3, topology="cycle", seed=5).states(BITS[:50]))
+
+
+def test_signs_are_never_singular():
+    """At 6 nodes the digits 141592 would be: their alternating sum is 0."""
+    alternating = (-1.0) ** np.arange(6)
+    assert _signs_of_pi(6) @ alternating == 0
+    for nodes in range(3, 130):
+        assert np.abs(np.fft.fft(_aperiodic_signs(nodes))).min() > 0.01
+    np.testing.assert_array_equal(_aperiodic_signs(12), _signs_of_pi(12))
+
+
+def test_the_digits_of_pi():
+    with mpmath.workdps(420):
+        digits = str(mpmath.pi)[2:402]
+    np.testing.assert_array_equal(_signs_of_pi(400) > 0, np.array([int(digit) >= 5 for digit in digits]))
+
+
+@pytest.mark.parametrize("radius", [0.8, 0.95])
+def test_a_linear_cycle_has_the_memory_that_theory_gives_it(radius):
+    """Rodan and Tino (2011): r^(2 j N) (1 - r^(2 N)) of the input j N + i samples ago, and N in all."""
+    nodes, series = 6, np.random.default_rng(0).uniform(-1, 1, 60_000)
+    network = EchoStateNetwork(nodes, radius, 1e-4, topology="cycle")
+    memory = memory_capacity(network.states(series), series, 60, ridge=1e-14)
+    rounds = np.arange(60) // nodes
+    expected = radius ** (2 * rounds * nodes) * (1 - radius ** (2 * nodes))
+    np.testing.assert_allclose(memory.profile, expected, atol=0.03)
+    assert memory.total == pytest.approx(nodes, rel=0.02)
+
+
+def test_a_cycle_of_sixty_remembers_all_of_forty():
+    series = np.random.default_rng(0).uniform(-1, 1, 6000)
+    memory = memory_capacity(EchoStateNetwork(60, 0.9, 0.01, topology="cycle").states(series), series, 40)
+    assert memory.corrected == pytest.approx(40, abs=0.03)
+
+
+def test_an_orthogonal_network_is_orthogonal_and_remembers_all_it_can():
+    network = EchoStateNetwork(20, 0.9, 1e-4, topology="orthogonal", seed=2)
+    recurrent, _, _ = network._weights()
+    np.testing.assert_allclose(recurrent @ recurrent.T, 0.81 * np.eye(20), atol=1e-12)
+    series = np.random.default_rng(1).uniform(-1, 1, 40_000)
+    memory = memory_capacity(network.states(series), series, 150, ridge=1e-14)
+    assert memory.total == pytest.approx(20, rel=0.03)
 
 
 def test_equal_networks_agree_and_seeds_differ():
@@ -57,6 +112,8 @@ def test_the_default_network_remembers_and_stays_within_its_nodes():
         ({"leak": 0.0}, r"leak must be in \(0, 1\], got 0.0"),
         ({"density": 1.5}, r"density must be in \(0, 1\], got 1.5"),
         ({"seed": -1}, "seed must be a whole number >= 0, got -1"),
+        ({"topology": "star"}, "topology has no 'star'"),
+        ({"topology": "cycle", "density": 0.5}, "density must be 1 unless the topology is random, got 0.5"),
     ],
 )
 def test_bad_network(arguments, message):

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from stickslip.reservoir import memory_capacity
 from stickslip.tasks import (
     crawler_states,
     DelayLine,
+    EchoState,
     known_reservoirs,
     Metric,
     narma,
@@ -86,7 +88,11 @@ def test_the_standard_benchmark_ranks_the_crawler_between_nothing_and_its_featur
 
 
 def test_every_task_runs_on_every_reservoir():
-    scores = run_benchmark(tasks=TASKS, reservoirs=known_reservoirs(6), seeds=[0], length=1200)
+    reservoirs = {
+        name: replace(reservoir, tune=False) if isinstance(reservoir, EchoState) else reservoir
+        for name, reservoir in known_reservoirs(6).items()
+    }
+    scores = run_benchmark(tasks=TASKS, reservoirs=reservoirs, seeds=[0], length=1200)
     assert len(scores) == len(TASKS) * len(RESERVOIRS)
     assert all(math.isfinite(score.value) for score in scores)
 

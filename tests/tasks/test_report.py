@@ -15,7 +15,7 @@ from stickslip.tasks.benchmark_figures import (
     plot_sweep,
 )
 from stickslip.tasks.records import Record
-from stickslip.tasks.report import as_json, as_markdown, as_rows, estimates
+from stickslip.tasks.report import as_json, as_markdown, as_rows, differences, estimates
 
 mpl.use("agg")
 
@@ -47,7 +47,7 @@ def test_the_table_by_hand():
 
 def test_the_json_says_what_was_run_and_every_score():
     kept = records(NARMA, [0.5], prediction=[0.0], target=[1.0]) + records(PARITY, [1.0, 2.0], profile=[1.0])
-    told = as_json(kept, estimates(kept), {"length": 10})
+    told = as_json(kept, estimates(kept), {}, {"length": 10})
     assert told["inputs"] == {"length": 10}
     assert {"python", "stickslip", "numpy"} <= set(told["versions"])
     assert told["means"][0] == {
@@ -56,6 +56,33 @@ def test_the_json_says_what_was_run_and_every_score():
     assert told["means"][1]["interval"][0] < 1.5 < told["means"][1]["interval"][1]
     assert told["scores"][0] == {"task": NARMA, "reservoir": "crawler", "seed": 0, "score": 0.5}
     assert told["scores"][2] == {"task": PARITY, "reservoir": "crawler", "seed": 1, "score": 2.0, "profile": [1.0]}
+
+
+def test_differences_are_paired_by_draw():
+    """Scores that vary by 10 from draw to draw, and by 1 and 2 between reservoirs: t(0.975, 1) s / sqrt(2) = 6.353."""
+    kept = records(NARMA, [10.0, 20.0], "a") + records(NARMA, [11.0, 22.0], "b") + records(PARITY, [1.0, 1.0], "a")
+    kept += records(PARITY, [1.0, 1.0], "b")
+    found = differences(kept[::-1], "a")
+    assert set(found) == {(NARMA, "b"), (PARITY, "b")}
+    assert found[NARMA, "b"].mean == 1.5
+    assert found[NARMA, "b"].high - 1.5 == pytest.approx(6.353, abs=1e-3)
+    assert found[PARITY, "b"] == (Estimate(0.0, 0.0, 0.0, 2))
+    rows = as_rows(differences(kept, "b"), TASKS, signed=True)
+    assert rows == [["task", "a"], ["NARMA-2 NRMSE ↓", "-1.500 ± 6.353"], ["parity-2 capacity ↑", "+0.00 ± 0.00"]]
+    told = as_json(kept, estimates(kept), found, {})["differences"]
+    assert told[0] == {"task": PARITY, "reservoir": "b", "mean": 0.0, "interval": [0.0, 0.0], "seeds": 2}
+    with pytest.raises(ValueError, match="against has no 'c'"):
+        differences(kept, "c")
+
+
+def test_the_chart_of_differences_has_its_line_at_none():
+    found = {(NARMA, name): Estimate(0.5, 0.4, 0.6, 5) for name in ("b", "c")}
+    [ax] = plot_scores(found, TASKS, against="a").axes
+    assert ax.get_xlabel().startswith("difference from the a: NRMSE")
+    [line, *_] = [each for each in ax.collections if len(each.get_segments()) == 1 and each.get_linestyle()[0][1]]
+    assert line.get_segments()[0][:, 0].tolist() == [0.0, 0.0]
+    [plain] = plot_scores({(NARMA, "a"): found[NARMA, "b"], **found}, TASKS).axes
+    assert [each[0].get_color() for each in ax.containers] == [each[0].get_color() for each in plain.containers[1:]]
 
 
 def test_the_chart_of_scores_has_a_panel_a_unit_and_a_marker_a_reservoir():

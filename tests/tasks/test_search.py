@@ -190,8 +190,10 @@ def test_a_body_is_searched_for():
 
 
 def test_a_network_is_what_its_values_say():
-    network = echo_state_space(9).build({"spectral_radius": 0.5, "input_scaling": 0.2, "leak": 0.3})
-    assert network == EchoState(9, 0.5, 0.2, leak=0.3)
+    values = {"spectral_radius": 0.5, "input_scaling": 0.2, "leak": 0.3, "topology": "cycle", "centred": True}
+    assert list(echo_state_space(9).dimensions) == list(values)
+    network = echo_state_space(9).build(values)
+    assert network == EchoState(9, 0.5, 0.2, leak=0.3, topology="cycle", centred=True)
     assert network(np.ones(3), 0).shape == (3, 9)
     assert all(candidate.leak == 0.3 for candidate in EchoState(9, tune=True, leak=0.3).candidates)
 
