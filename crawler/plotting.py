@@ -8,10 +8,13 @@ from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 import numpy as np
-from matplotlib import pyplot as plt
-from matplotlib.figure import Figure
 
+from ..extras import optional_import
 from ..files import atomically
+
+with optional_import():
+    from matplotlib import pyplot as plt
+    from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
     from .trajectory import Trajectory

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from gymnasium.error import DependencyNotInstalled
+from ..extras import optional_import
 
 if TYPE_CHECKING:
     import pygame
@@ -18,13 +18,11 @@ def import_pygame() -> ModuleType:
 
     Raises
     ------
-    gymnasium.error.DependencyNotInstalled
-        Where it is missing.
+    stickslip.extras.MissingExtra
+        Where it is missing; a `gymnasium.error.DependencyNotInstalled`.
     """
-    try:
+    with optional_import():
         import pygame
-    except ImportError as error:
-        raise DependencyNotInstalled('pygame is not installed, run `pip install "stickslip[render]"`') from error
     return pygame
 
 

@@ -9,9 +9,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any, cast
 
-from threadpoolctl import threadpool_limits
-
 from .crawler.plotting import save_figure
+from .extras import optional_import
 from .files import atomically
 from .reservoir import Estimate
 from .tasks import BodyReservoir, known_reservoirs, Reservoir, SeriesTask, STANDARD_TASKS, Task, TASKS
@@ -23,6 +22,9 @@ from .tasks.records import Record, Records
 from .tasks.report import as_json, as_markdown, as_rows, differences, estimates
 from .tasks.sweep import parse_sweep, with_value
 from .validation import known_names, whole_number
+
+with optional_import():
+    from threadpoolctl import threadpool_limits
 
 __all__ = ["Bench"]
 

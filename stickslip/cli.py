@@ -2,6 +2,8 @@
 
 import sys
 
+from .extras import MissingExtra
+
 __all__ = ["main"]
 
 
@@ -9,6 +11,6 @@ def main() -> None:
     """Run the command line; what it refuses, it refuses in one line."""
     try:
         from .commands import run
-    except ModuleNotFoundError as error:
-        sys.exit(f'error: the command line needs {error.name}: pip install "stickslip[demo]"')
+    except MissingExtra as error:
+        sys.exit(f"error: {error}")
     sys.exit(run())

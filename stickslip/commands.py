@@ -7,14 +7,23 @@ import sys
 from pathlib import Path
 from typing import Annotated, Any, TYPE_CHECKING
 
-import typer
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.measure import Measurement
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.table import Table
-
+from .extras import optional_import
 from .validation import number_within, whole_number
+
+with optional_import():
+    import typer
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.measure import Measurement
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+    from rich.table import Table
 
 if TYPE_CHECKING:
     from .studies import WorkPrecision

@@ -12,14 +12,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
-from threadpoolctl import threadpool_limits
-
 from .crawler import Groups, Scene, simulate
 from .crawler.plotting import save_figure
 from .envs import StickSlipCrawlerEnv
+from .extras import optional_import
 from .files import atomically
 from .reservoir import memory_capacity
 from .tasks import known_reservoirs, plot_memory_profile, random_bits, run_benchmark, STANDARD_RESERVOIRS, table
@@ -29,6 +25,12 @@ from .train.hyperparameters import read_hyperparameters
 from .train.run import Configuration, Run
 from .train.schedules import necklaces, Performance, performance, repeat
 from .train.training import load_policy, train
+
+with optional_import():
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.table import Table
+    from threadpoolctl import threadpool_limits
 
 __all__ = ["run_demo"]
 
@@ -254,7 +256,8 @@ def _print_table(console: Console, title: str, rows: list[list[str]]) -> None:
 
 
 def _page(**content: Any) -> str:
-    import jinja2
+    with optional_import():
+        import jinja2
 
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     return environment.from_string((resources.files("stickslip") / "demo.html.jinja").read_text("utf-8")).render(

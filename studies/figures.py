@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..crawler import Scene
+from ..extras import optional_import
 from .case import DEFORMATION, FOOT, MEAN_SPEED, RMS_DEFORMATION, SLIP_RATE
 from .recommendation import Recommendation
 from .work_precision import Row, WorkPrecision
@@ -47,8 +48,9 @@ def plot_work_precision(study: WorkPrecision, recommendation: Recommendation | N
         count is wrong. Bars span the quartiles of time. The grey band is what cannot be told from the reference.
     """
     # matplotlib is optional, and slow to import
-    from matplotlib import pyplot as plt
-    from matplotlib.lines import Line2D
+    with optional_import():
+        from matplotlib import pyplot as plt
+        from matplotlib.lines import Line2D
 
     from ..crawler.plotting import house_style
 
@@ -123,7 +125,8 @@ def _draw_rows(ax: Axes, study: WorkPrecision, quantity: str) -> None:
 
 def _label_tolerances(ax: Axes, study: WorkPrecision, quantity: str) -> None:
     """Write the tolerance beside every marker where there is room, in axes whose limits are settled."""
-    from matplotlib.patheffects import withStroke
+    with optional_import():
+        from matplotlib.patheffects import withStroke
 
     taken: list[np.ndarray] = []
     for solver, (color, _) in _styles(study).items():
@@ -163,7 +166,8 @@ def _height(study: WorkPrecision, row: Row, quantity: str) -> float:
 
 def _dress(ax: Axes, study: WorkPrecision, quantity: str) -> None:
     """Axes, grid and title."""
-    from matplotlib.ticker import LogLocator, NullFormatter
+    with optional_import():
+        from matplotlib.ticker import LogLocator, NullFormatter
 
     times = [row.timing.median for row in study.rows]
     narrow = max(times) < 10.0 * min(times)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..extras import optional_import
 from ..reservoir import Estimate
 from .records import Record
 from .task import Task
@@ -46,7 +47,8 @@ def plot_scores(
         Bars are 95% intervals; the dashed line is what a reservoir scores that knows nothing, or no difference.
     """
     # matplotlib is optional, and slow to import
-    from matplotlib import pyplot as plt
+    with optional_import():
+        from matplotlib import pyplot as plt
 
     from ..crawler.plotting import house_style
 
@@ -116,8 +118,9 @@ def plot_profiles(records: Sequence[Record]) -> Figure:
         Curves end where all reservoirs have forgotten.
     """
     # matplotlib is optional, and slow to import
-    from matplotlib import pyplot as plt
-    from matplotlib.ticker import MaxNLocator
+    with optional_import():
+        from matplotlib import pyplot as plt
+        from matplotlib.ticker import MaxNLocator
 
     from ..crawler.plotting import house_style
 
@@ -159,7 +162,8 @@ def plot_information(records: Sequence[Record]) -> Figure:
         Means over seeds; the bar at the end of a stack is the total's 95% interval.
     """
     # matplotlib is optional, and slow to import
-    from matplotlib import pyplot as plt
+    with optional_import():
+        from matplotlib import pyplot as plt
 
     from ..crawler.plotting import house_style, OKABE_ITO
 
@@ -205,7 +209,8 @@ def plot_predictions(records: Sequence[Record], samples: int = 80) -> Figure:
     matplotlib.figure.Figure
     """
     # matplotlib is optional, and slow to import
-    from matplotlib import pyplot as plt
+    with optional_import():
+        from matplotlib import pyplot as plt
 
     from ..crawler.plotting import house_style
 
@@ -262,7 +267,8 @@ def plot_sweep(
         The dashed line is what a reservoir scores that knows nothing.
     """
     # matplotlib is optional, and slow to import
-    from matplotlib import pyplot as plt
+    with optional_import():
+        from matplotlib import pyplot as plt
 
     from ..crawler.plotting import house_style, OKABE_ITO
 
@@ -301,7 +307,8 @@ _SWEPT_LABELS = {
 
 def _log_axis(ax: Axes, values: Sequence[float]) -> None:
     """A logarithmic axis that is labelled at the values."""
-    from matplotlib.ticker import NullLocator
+    with optional_import():
+        from matplotlib.ticker import NullLocator
 
     ax.set_xscale("log")
     ax.xaxis.set_minor_locator(NullLocator())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import cast, TYPE_CHECKING
 
+from ..extras import optional_import
 from ..reservoir import MemoryCapacity
 
 if TYPE_CHECKING:
@@ -32,8 +33,9 @@ def plot_memory_profile(memories: Mapping[str, MemoryCapacity], *, ax: Axes | No
         If there are no curves, or more than can be told apart.
     """
     # matplotlib is optional, and slow to import
-    from matplotlib import pyplot as plt
-    from matplotlib.ticker import MaxNLocator
+    with optional_import():
+        from matplotlib import pyplot as plt
+        from matplotlib.ticker import MaxNLocator
 
     from ..crawler.plotting import house_style, MARKERS, OKABE_ITO
 

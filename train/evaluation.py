@@ -9,11 +9,14 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.wrappers import RecordVideo
 from numpy.typing import NDArray
-from stable_baselines3.common.base_class import BaseAlgorithm
 
 from ..envs import StickSlipCrawlerEnv
+from ..extras import optional_import
 from ..files import atomically
 from .schedules import Performance, performance
+
+with optional_import():
+    from stable_baselines3.common.base_class import BaseAlgorithm
 
 __all__ = ["film", "measure", "roll_out"]
 
@@ -98,6 +101,9 @@ def film(policy: BaseAlgorithm, file: Path, *, env_kwargs: dict[str, Any], steps
     seed : int
         Of the flips.
     """
+    with optional_import():
+        import moviepy  # noqa: F401  (Gymnasium films by it)
+
     folder = file.parent / f".{file.stem}"
     shutil.rmtree(folder, ignore_errors=True)
     environment = RecordVideo(

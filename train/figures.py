@@ -8,6 +8,7 @@ from typing import cast, TYPE_CHECKING
 
 import numpy as np
 
+from ..extras import optional_import
 from .schedules import pareto_front, Performance
 
 if TYPE_CHECKING:
@@ -41,7 +42,8 @@ def plot_trade(
         If there is no schedule, or one was measured without dither.
     """
     # matplotlib is optional, and slow to import
-    from matplotlib import pyplot as plt
+    with optional_import():
+        from matplotlib import pyplot as plt
 
     from ..crawler.plotting import house_style, MARKERS, OKABE_ITO
 
@@ -84,7 +86,8 @@ def plot_learning(table: Path, *, ax: Axes | None = None) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    from matplotlib import pyplot as plt
+    with optional_import():
+        from matplotlib import pyplot as plt
 
     from ..crawler.plotting import house_style
 

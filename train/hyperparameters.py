@@ -6,7 +6,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import yaml
+from ..extras import optional_import
+
+with optional_import():
+    import yaml
 
 __all__ = ["linear_schedule", "read_hyperparameters", "resolve"]
 

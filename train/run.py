@@ -6,10 +6,12 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from ..extras import optional_import
 from ..files import atomically
 from ..validation import whole_number
+
+with optional_import():
+    import yaml
 
 __all__ = ["Configuration", "Run"]
 

@@ -3,10 +3,12 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import torch
-from threadpoolctl import threadpool_limits
-
+from ..extras import optional_import
 from ..validation import whole_number
+
+with optional_import():
+    import torch
+    from threadpoolctl import threadpool_limits
 
 __all__ = ["library_threads"]
 

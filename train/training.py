@@ -7,21 +7,25 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from sb3_contrib import QRDQN, RecurrentPPO
-from stable_baselines3 import A2C, DQN, PPO
-from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.evaluation import evaluate_policy
-from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
-from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from ..envs import StickSlipCrawlerEnv
+from ..extras import optional_import
 from ..files import atomically
 from ..fingerprint import described, refuse_other, rounded
 from .hyperparameters import resolve
 from .run import Configuration, Run
 from .threads import library_threads
 from .vec_env import StickSlipVecEnv
+
+with optional_import():
+    import tensorboard  # noqa: F401  (Stable-Baselines3 logs by it)
+    from sb3_contrib import QRDQN, RecurrentPPO
+    from stable_baselines3 import A2C, DQN, PPO
+    from stable_baselines3.common.base_class import BaseAlgorithm
+    from stable_baselines3.common.callbacks import BaseCallback
+    from stable_baselines3.common.evaluation import evaluate_policy
+    from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+    from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 __all__ = ["load_policy", "train"]
 

@@ -10,13 +10,16 @@ import numpy as np
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 from ..crawler import Groups
 from ..crawler.groups import groups_of_each
 from ..envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
 from ..envs.settings import COUNTS, NUMBERS, Settings
+from ..extras import optional_import
 from .stand_in import StandIn
+
+with optional_import():
+    from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
 
 __all__ = ["StickSlipVecEnv"]
 
