@@ -1,9 +1,11 @@
 """Information processing capacity: all that a linear readout can compute of the past input, function by function."""
 
+import math
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
+from statistics import NormalDist
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -11,8 +13,11 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import finite_array, known_names, number_within, whole_number
+from .bootstrap import usual_block
 from .orthonormal import of_usual_size, orthonormal_basis
 from .product_basis import count_terms, legendre_polynomials, products, Term, terms, walsh
+from .sensor_noise import with_sensor_noise
+from .significance import chance, effective_events, events_needed, tail_quantile, VALUES_FOR_A_TAIL
 
 Array = NDArray[np.float64]
 Basis = Literal["walsh", "legendre"]
@@ -20,11 +25,13 @@ Threshold = Literal["chi-squared", "surrogates"]
 
 # Numbers of a batch of products: a few megabytes.
 _BATCH = 2**19
-# What a function of an input scatters about a state that holds another function of it, relative to independent ones:
-# 11/7 for the first two Legendre polynomials.
-_DEPENDENCE = 2.0
 # Functions of a degree whose capacities are pooled over the shuffles.
 _POOLED = 500
+_SHUFFLES = 20
+# Samples per independent state below which it is said that there are few.
+_FEW = 10
+# Iterations of a contraction by the share of chance, which is a tenth or so.
+_TURNS = 20
 # Share of a function left by those before it below which it is one of them, but for rounding.
 _NEW = 1e-6
 
@@ -39,14 +46,22 @@ class InformationCapacity:
         The functions found, each a tuple of pairs (delay, degree): ``((0, 1), (3, 1))`` is the product of the input
         with that of three steps ago.
     capacity : ndarray of shape (terms,)
-        Share of each function's variance that the readout explains, in [0, 1], after the functions before it have been
-        taken out of it.
+        Share of each function's variance that the best readout explains, in [0, 1], after the functions before it have
+        been taken out of it. What chance explains has been taken off.
+    chance : ndarray of shape (terms,)
+        Share that a function would be explained by chance alone: ``1 - (1 - capacity) (1 - chance)`` is what least
+        squares explain in this sample.
+    capacity_interval : ndarray of shape (2, terms)
+        Ends of the interval of confidence of each capacity.
+    total_interval : tuple of two floats
+        Of the sum of the capacities of the functions found: what was too small to be found is not in it.
     degree : ndarray of shape (terms,)
         Sum of the degrees of the factors: 1 is linear memory.
     delay : ndarray of shape (terms,)
         The largest in the term: how far it reaches back.
     thresholds : dict of int to float
-        What a function had to explain to be counted, by degree.
+        What a function had to explain at least to be counted, by degree. One whose square is not constant had to
+        explain more.
     rank : int
         Rank of the centred states. The total is this if the states are functions of the input alone, if all the
         functions that they are made of were tried, and if there were samples enough to tell each from chance.
@@ -58,6 +73,9 @@ class InformationCapacity:
 
     terms: tuple[Term, ...]
     capacity: Array
+    chance: Array
+    capacity_interval: Array
+    total_interval: tuple[float, float]
     degree: NDArray[np.int64]
     delay: NDArray[np.int64]
     thresholds: dict[int, float]
@@ -102,10 +120,12 @@ def information_processing_capacity(
     washout: int = 200,
     threshold: Threshold = "chi-squared",
     significance: float = 1e-4,
-    surrogates: int = 20,
+    surrogates: int | None = None,
     patience: int | None = 10,
     budget: int = 100_000,
     support: tuple[float, float] | None = None,
+    noise: float | None = None,
+    confidence: float = 0.95,
     seed: int = 0,
 ) -> InformationCapacity:
     """Find which functions of the past inputs a linear readout of the states computes, and how well.
@@ -119,13 +139,26 @@ def information_processing_capacity(
     is orthogonalized to those before it and counted for what is left: the functions are orthonormal in the mean but
     not quite in a finite sample, and only so can the total not be above the rank.
 
-    Chance explains rank / samples of any function. The threshold tells what chance does not explain:
+    Chance explains a share of any function, rank / samples if its square is constant. Of those found it is taken off
+    as in an adjusted coefficient of determination, ``(C - c) / (1 - c)`` with ``c = (rank - total) / samples``, since
+    directions of the states that are explained already are not left to chance. The threshold tells what chance does
+    not explain:
 
-    - ``"chi-squared"`` [1]_: samples x C of a function that is independent of the states follows a chi-squared law with
-      as many degrees of freedom as the rank. Its quantile is doubled, since functions that share an input with the
-      states without being correlated with them scatter more.
-    - ``"surrogates"`` [2]_: what functions of shuffled inputs explain. The capacities of up to 500 functions of a
-      degree are pooled over all the shuffles; their quantile is the threshold. It assumes nothing of the inputs' law.
+    - ``"chi-squared"``: samples x C of a function that is independent of the states follows a chi-squared law with
+      as many degrees of freedom as the rank [1]_. A function that is merely uncorrelated with them may scatter far
+      more, where its square is not constant: each is compared with the law of its own, see
+      `stickslip.reservoir.significance`.
+    - ``"surrogates"`` [2]_: in addition, what functions of shuffled inputs explain. The capacities of up to 500
+      functions of a degree are pooled over all the shuffles; their quantile, by a fitted tail where it lies beyond
+      them, is the threshold. It assumes nothing of the inputs' law.
+
+    Whatever the threshold, a capacity must rest on enough samples. Where flips are rare, the product of three of them
+    can be told from that of four only after the fourth has had its chances to fall on the three: the effective number
+    of samples, the products of a function with its prediction being their weights, must reach
+    ``-ln(significance) E f^4``, with f the function of one input. It is 9 for fair bits at 1e-4, 75 at a dither of 0.1,
+    440 at 0.02. A warning tells how many functions were left out for it.
+
+    The intervals are normal ones, of the influence of blocks of samples on a capacity, its logit for a single one.
 
     Parameters
     ----------
@@ -144,9 +177,10 @@ def information_processing_capacity(
         Samples at the start that are left out, at least as many as the state takes to forget its start.
     threshold : {"chi-squared", "surrogates"}
     significance : float, in (0, 1)
-        Probability that a function independent of the states passes the quantile.
-    surrogates : int
-        Shuffles of the input. A significance of 1e-4 asks for 20 of them.
+        Probability that a function uncorrelated with the states passes the threshold.
+    surrogates : int, optional
+        Shuffles of the input. By default 20, or as many more as a degree needs for its functions to give enough values
+        for the significance: a thousand, or a hundredth of its inverse.
     patience : int or None
         A degree is left when so many delays in a row have added no function. None tries them all.
     budget : int
@@ -155,8 +189,13 @@ def information_processing_capacity(
         samples of 50 states a thousand functions take some 0.2 s.
     support : tuple of two floats, optional
         Interval in which the inputs are uniform, for Legendre; theirs from the least to the largest by default.
+    noise : float, optional
+        Signal-to-noise ratio of the sensors that read the states, in decibels; see
+        `stickslip.reservoir.sensor_noise`. None by default.
+    confidence : float, in (0, 1)
+        Of the intervals.
     seed : int
-        Of the shuffles.
+        Of the shuffles and the noise.
 
     Returns
     -------
@@ -167,13 +206,14 @@ def information_processing_capacity(
     TypeError
         If an argument that counts is not an integer.
     ValueError
-        If an array has a wrong shape, is not finite or too short, the inputs do not suit the basis, or an argument is
-        out of range.
+        If an array has a wrong shape, is not finite or too short, the inputs do not suit the basis, an argument is
+        out of range, or there are too few surrogates for the significance.
 
     Warns
     -----
     UserWarning
-        If the budget was spent, or the series is so short that the threshold is above 1/2.
+        If the budget was spent, the series is so short that the threshold is above 1/2 or that there are fewer than ten
+        samples a state, or functions were left out because they rest on too few events.
 
     References
     ----------
@@ -183,7 +223,7 @@ def information_processing_capacity(
        driven dynamical systems", Physical Review Research 3, 043135, 2021.
     """
     # Imported where it is used: it takes a fifth of a second, and whoever only steps an environment needs none of it.
-    from scipy.special import chdtri
+    from scipy.special import betaincinv
 
     x = of_usual_size(finite_array("states", states, 2))
     u = finite_array("inputs", inputs, 1)
@@ -193,9 +233,10 @@ def information_processing_capacity(
     reach = _delays_by_degree(delays, max_degree)
     washout = whole_number("washout", washout, 0)
     significance = number_within("significance", significance, "(0, 1)")
-    surrogates = whole_number("surrogates", surrogates, 1)
+    surrogates = None if surrogates is None else whole_number("surrogates", surrogates, 1)
     patience = max(reach) if patience is None else whole_number("patience", patience, 1)
     budget = whole_number("budget", budget, 1)
+    confidence = number_within("confidence", confidence, "(0, 1)")
     seed = whole_number("seed", seed, 0)
     start = max(washout, max(reach) - 1)
     needed = start + x.shape[1] + 2
@@ -210,30 +251,51 @@ def information_processing_capacity(
         raise ValueError(f"inputs must vary, or there is nothing to compute with, got {u[0]} throughout")
 
     functions = walsh(u) if basis == "walsh" else legendre_polynomials(u, max_degree, support)
-    q = orthonormal_basis(x[start:])
+    q = orthonormal_basis(with_sensor_noise(x[start:], noise, seed))
     rank, samples = q.shape[1], len(q)
-    cutoff = min(1.0, _DEPENDENCE * float(chdtri(rank, significance)) / samples) if rank else 1.0
+    cutoff = float(betaincinv(rank / 2, (samples - 1 - rank) / 2, 1 - significance)) if 0 < rank < samples - 1 else 1.0
     if rank and cutoff > 0.5:
         warnings.warn(
             f"no capacity below {cutoff:.2f} can be told from chance with {samples} samples of {rank} independent "
             f"states: what is found is a lower bound",
             stacklevel=2,
         )
+    elif samples < _FEW * rank:
+        warnings.warn(
+            f"{samples} samples are few for {rank} independent states: chance explains {rank / samples:.0%} of any "
+            f"function, and what it adds to those found is taken off only in the mean",
+            stacklevel=2,
+        )
     cutoffs = [cutoff] * max_degree
     if threshold == "surrogates":
-        shuffles = [np.random.default_rng([seed, i]).permutation(len(u)) for i in range(surrogates)]
         cutoffs = [
-            _chance(q, functions, start, d, reach[d - 1], shuffles, significance) for d in range(1, len(reach) + 1)
+            max(cutoff, _of_surrogates(q, functions, start, d, reach[d - 1], surrogates, seed, significance))
+            for d in range(1, len(reach) + 1)
         ]
-    found = _search(q, functions, start, reach, cutoffs, patience, budget)
+    needed_events = events_needed(functions, significance)
+    found = _search(q, functions, start, reach, cutoffs, patience, budget, significance, needed_events)
+    if found.rare:
+        warnings.warn(
+            f"{found.rare} functions explain more than chance, but on fewer than {needed_events:.0f} effective "
+            f"samples: they cannot be told from products with one more input, and are not counted. "
+            f"Longer series or less rare inputs would tell",
+            stacklevel=2,
+        )
     if found.left:
         left = ", ".join(f"degree {degree} from delay {found.reach[degree] + 1} on" for degree in found.left)
         warnings.warn(f"the budget of {budget} functions was spent; not tried: {left}", stacklevel=2)
+    delay = np.array([term[-1][0] for term in found.terms], dtype=np.int64)
+    each = _capacity_in_turn(q, products(functions, found.terms, start))
+    block = usual_block(samples, delay) if len(delay) else 1
+    intervals, total_interval = _intervals(each, block, confidence, rank)
     return InformationCapacity(
         terms=tuple(found.terms),
-        capacity=_capacity_in_turn(q, products(functions, found.terms, start)),
+        capacity=each.capacity,
+        chance=each.chance,
+        capacity_interval=intervals,
+        total_interval=total_interval,
         degree=np.array([sum(degree for _, degree in term) for term in found.terms], dtype=np.int64),
-        delay=np.array([term[-1][0] for term in found.terms], dtype=np.int64),
+        delay=delay,
         thresholds=dict(enumerate(cutoffs, 1)),
         rank=rank,
         tried=found.tried,
@@ -246,13 +308,23 @@ class _Found(NamedTuple):
     tried: dict[int, int]
     reach: dict[int, int]
     left: list[int]
+    rare: int
 
 
 def _search(
-    q: Array, functions: Array, start: int, reach: list[int], cutoffs: list[float], patience: int, budget: int
+    q: Array,
+    functions: Array,
+    start: int,
+    reach: list[int],
+    cutoffs: list[float],
+    patience: int,
+    budget: int,
+    significance: float,
+    needed_events: float,
 ) -> _Found:
-    found = _Found([], {}, {}, [])
+    found = _Found([], {}, {}, [], 0)
     highest = len(functions)
+    rare = 0
     for degree, (delays, cutoff) in enumerate(zip(reach, cutoffs, strict=True), 1):
         found.tried[degree], found.reach[degree] = 0, -1
         quiet = 0
@@ -263,58 +335,125 @@ def _search(
                 break
             passed = 0
             window = terms(degree, latest, highest)
-            for batch, capacity in _capacities(q, functions, start, window):
-                chosen = [term for term, c in zip(batch, capacity, strict=True) if c > cutoff]
-                found.terms.extend(chosen)
-                passed += len(chosen)
+            for batch, capacity, rows in _capacities(q, functions, start, window):
+                likely = np.flatnonzero(capacity > cutoff)
+                if len(likely):
+                    own = chance(q, rows[likely], significance, capacity[likely]).cutoff
+                    likely = likely[capacity[likely] > own]
+                    seen = effective_events(q, rows[likely]) > needed_events
+                    rare += int((~seen).sum())
+                    likely = likely[seen]
+                found.terms.extend(batch[i] for i in likely)
+                passed += len(likely)
             found.tried[degree] += count
             found.reach[degree] = latest
             # The first bits have no product of many.
             quiet = 0 if passed else quiet + (count > 0)
             if quiet >= patience:
                 break
-    return found
+    return found._replace(rare=rare)
 
 
-def _capacities(q: Array, functions: Array, start: int, wanted: Iterator[Term]) -> Iterator[tuple[list[Term], Array]]:
+def _capacities(
+    q: Array, functions: Array, start: int, wanted: Iterator[Term]
+) -> Iterator[tuple[list[Term], Array, Array]]:
     size = max(1, _BATCH // len(q))
     while batch := list(islice(wanted, size)):
         rows = products(functions, batch, start)
         variance = np.vecdot(rows, rows) - rows.sum(axis=1) ** 2 / rows.shape[1]
         projected = rows @ q
         explained = np.vecdot(projected, projected)
-        yield batch, np.divide(explained, variance, out=np.zeros_like(explained), where=variance > 0)
+        yield batch, np.divide(explained, variance, out=np.zeros_like(explained), where=variance > 0), rows
 
 
-def _chance(
+def _of_surrogates(
     q: Array,
     functions: Array,
     start: int,
     degree: int,
     delays: int,
-    shuffles: list[NDArray[np.int64]],
+    surrogates: int | None,
+    seed: int,
     significance: float,
 ) -> float:
     highest = len(functions)
     pooled = list(islice(chain.from_iterable(terms(degree, latest, highest) for latest in range(delays)), _POOLED))
+    if not pooled:
+        return 1.0
+    needed = math.ceil(max(VALUES_FOR_A_TAIL, 0.01 / significance) / len(pooled))
+    shuffles = max(_SHUFFLES, needed) if surrogates is None else surrogates
+    if shuffles < needed:
+        raise ValueError(
+            f"surrogates must be {needed} at least for a significance of {significance:g} with {len(pooled)} functions "
+            f"of degree {degree}, got {shuffles}"
+        )
+    orders = (np.random.default_rng([seed, i]).permutation(functions.shape[1]) for i in range(shuffles))
     values = [
-        capacity for order in shuffles for _, capacity in _capacities(q, functions[:, order], start, iter(pooled))
+        capacity for order in orders for _, capacity, _ in _capacities(q, functions[:, order], start, iter(pooled))
     ]
-    return float(np.quantile(np.concatenate(values), 1 - significance)) if values else 1.0
+    return tail_quantile(np.concatenate(values), significance)
 
 
-def _capacity_in_turn(q: Array, rows: Array) -> Array:
+class _InTurn(NamedTuple):
+    capacity: Array
+    chance: Array
+    influence: Array  # of each sample on each capacity, shape (terms, samples)
+
+
+def _capacity_in_turn(q: Array, rows: Array) -> _InTurn:
     """Capacity of what each function adds to those before it: a decomposition of the trace of two projections."""
     if rows.size == 0:
-        return np.zeros(len(rows))
+        return _InTurn(np.zeros(len(rows)), np.zeros(len(rows)), np.zeros((len(rows), len(q))))
     moved = (rows - rows.mean(axis=1, keepdims=True)).T
     norms = np.linalg.norm(moved, axis=0)
     turned, triangle = scipy.linalg.qr(moved, mode="economic", check_finite=False)
-    projected = q.T @ turned
-    capacity = np.zeros(len(rows))
     new = np.abs(triangle.diagonal()) > _NEW * norms[: len(triangle)]
-    capacity[: len(new)][new] = np.einsum("ij,ij->j", projected, projected)[new]
-    return np.minimum(capacity, 1)
+    turned[:, ~new] = 0
+    projected = q.T @ turned
+    explained = np.minimum(np.vecdot(projected, projected, axis=0), 1)
+    leverage = np.vecdot(q, q)
+    squares = turned**2
+    capacity, by_chance = _without_chance(explained, leverage @ squares, q.shape[1])
+    # Of a capacity 1 - e^2 / y^2, the residual e being that of a readout that was not fitted to its own sample, nearly.
+    missed = (turned - q @ projected) ** 2 / np.maximum(1 - leverage, 1 / len(q))[:, None]
+    influence = (1 - capacity) * squares - missed
+    return _InTurn(
+        *(np.pad(a, [(0, len(rows) - len(new))] + [(0, 0)] * (a.ndim - 1)) for a in (capacity, by_chance, influence.T))
+    )
+
+
+def _without_chance(explained: Array, by_chance: Array, rank: int) -> tuple[Array, Array]:
+    """Capacities as they would be in an endless series, and what chance explains of each in this one.
+
+    What is explained already of the states' directions is not left to chance: functions of capacities C in the mean
+    explain ``sum_i sum_j (1 - C_i) (1 - C_j) / samples`` too much, the second sum being over the directions. So the
+    share is the one of a single function times ``1 - sum C / rank``, which is solved by iterating.
+    """
+    capacity, share = explained, by_chance
+    for _ in range(_TURNS):
+        share = by_chance * max(1 - capacity.sum() / rank, 0)
+        left = np.maximum(1 - share, np.finfo(np.float64).tiny)
+        capacity = np.clip((explained - share) / left, 0, 1)
+    return capacity, share
+
+
+def _intervals(each: _InTurn, block: int, confidence: float, rank: int) -> tuple[Array, tuple[float, float]]:
+    count, samples = each.influence.shape
+    if count == 0:
+        return np.zeros((2, 0)), (0.0, 0.0)
+    reach = NormalDist().inv_cdf((1 + confidence) / 2)
+    whole = samples // block * block
+    sums = each.influence[:, :whole].reshape(count, -1, block).sum(axis=2)
+    blocks = sums.shape[1]
+    inflation = samples / whole * blocks / max(blocks - 1, 1)
+    error = np.sqrt(inflation * np.vecdot(sums, sums))
+    c = np.clip(each.capacity, 1e-12, 1 - 1e-12)
+    logit, spread = np.log(c / (1 - c)), reach * error / (c * (1 - c))
+    ends = 1 / (1 + np.exp(-np.clip(logit + np.array([[-1], [1]]) * spread, -700, 700)))
+    ends[0] = np.minimum(ends[0], each.capacity)
+    ends[1] = np.maximum(ends[1], each.capacity)
+    total, half = float(each.capacity.sum()), reach * math.sqrt(inflation) * float(np.linalg.norm(sums.sum(axis=0)))
+    return ends, (max(total - half, 0.0), min(total + half, max(float(rank), total)))
 
 
 def _delays_by_degree(delays: int | Sequence[int], max_degree: int) -> list[int]:

@@ -36,7 +36,8 @@ def walsh(inputs: Array) -> Array:
     ----------
     inputs : ndarray of shape (samples,)
         Of two values, whatever they are; p is their share. Or the innovations of a bit that is flipped at a rate q, of
-        the four values ±q and ±(1 - q): their law at each step is that of such a bit or of its negative.
+        the four values ±q and ±(1 - q), one of which may be absent: their law at each step is that of such a bit or of
+        its negative.
 
     Returns
     -------
@@ -54,8 +55,11 @@ def walsh(inputs: Array) -> Array:
         high = inputs > values.mean()
         p = high.mean()
         return np.where(high, np.sqrt((1 - p) / p), -np.sqrt(p / (1 - p)))[None]
-    if len(values) == 4 and np.abs(values + values[::-1]).max() <= _SAME * spread:
-        return inputs[None] / np.sqrt(values[2] * values[3])
+    # Of ±q and ±(1 - q) one may be missing where flips are few.
+    sizes = np.unique(np.abs(values))
+    sizes = sizes[np.append(True, np.diff(sizes) > _SAME * spread)]
+    if len(values) in (3, 4) and len(sizes) == 2 and sizes[0] > _SAME * spread:
+        return inputs[None] / np.sqrt(sizes[0] * sizes[1])
     raise ValueError(
         f"inputs must have two values for the Walsh basis, or the four of a dithered bit's innovation, "
         f"got {len(values)}; for uniform inputs there is basis='legendre'"

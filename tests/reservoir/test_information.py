@@ -1,3 +1,5 @@
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -6,6 +8,7 @@ from scipy.signal import lfilter
 
 from stickslip.reservoir import delay_line, EchoStateNetwork, information_processing_capacity
 from stickslip.reservoir.product_basis import count_terms, legendre_polynomials, products, terms, walsh
+from stickslip.reservoir.significance import tail_quantile
 
 
 def bits(samples, seed=0, p=0.5):
@@ -125,19 +128,19 @@ def test_noise_computes_nothing(features, threshold):
     assert capacity.rank == features
 
 
-def test_without_the_factor_two_chance_passes_as_often_as_the_significance_says():
-    """The threshold at 0.05 is twice the quantile, so what passes half of it is binomial."""
+@pytest.mark.parametrize("threshold", ["chi-squared", "surrogates"])
+def test_chance_passes_as_often_as_the_significance_says(threshold):
     noise = np.random.default_rng(3).normal(size=(6000, 5))
     u = bits(6000)
     capacity = information_processing_capacity(
-        noise, u, threshold="surrogates", significance=0.05, max_degree=2, patience=None
+        noise, u, threshold=threshold, significance=0.05, max_degree=2, patience=None
     )
     tried = sum(capacity.tried.values())
     assert tried > 1000
     assert abs(len(capacity.terms) - 0.05 * tried) < 5 * np.sqrt(0.05 * tried)
     assert capacity.thresholds[2] == pytest.approx(11.07 / 5800, rel=0.1)
-    doubled = information_processing_capacity(noise, u, significance=0.05, max_degree=2).thresholds[2]
-    assert doubled == pytest.approx(2 * 11.07 / 5800, rel=1e-3)
+    by_law = information_processing_capacity(noise, u, significance=0.05, max_degree=2).thresholds[2]
+    assert by_law == pytest.approx(11.07 / 5800, rel=1e-3)
 
 
 @settings(max_examples=15, deadline=None)
@@ -147,7 +150,7 @@ def test_the_total_is_at_most_the_rank_however_short_the_series(features, sample
     u = bits(samples, seed)
     states = EchoStateNetwork(features, input_scaling=scaling, seed=seed % 1000).states(u)
     capacity = information_processing_capacity(
-        states, u, washout=20, delays=10, threshold="surrogates", significance=0.5, surrogates=2, patience=None
+        states, u, washout=20, delays=10, threshold="surrogates", significance=0.5, patience=None
     )
     assert len(capacity.terms) > features
     assert capacity.total <= capacity.rank + 1e-9
@@ -218,8 +221,130 @@ def test_patience_waits_for_a_late_echo():
 def test_too_short_to_tell_is_said():
     u = bits(300)
     states = np.random.default_rng(0).normal(size=(300, 60))
-    with pytest.warns(UserWarning, match="no capacity below 1.00 can be told from chance with 100 samples"):
+    with pytest.warns(UserWarning, match="no capacity below 0.83 can be told from chance with 100 samples"):
         information_processing_capacity(states, u, max_degree=1)
+
+
+def innovations(samples, dither, seed=0):
+    return (np.random.default_rng(seed).random(samples) < dither) - dither
+
+
+@pytest.mark.parametrize("threshold", ["chi-squared", "surrogates"])
+@pytest.mark.parametrize("dither", [0.1, 0.02])
+@pytest.mark.parametrize("seed", range(2))
+def test_products_of_four_innovations_are_of_no_lower_degree(dither, threshold, seed):
+    """The capacity at degrees 1 to 3 is 0; a law for constant squares gave 0.86 at degree 3, or 3 of 4 at 0.02."""
+    e = innovations(10_000, dither, seed)
+    line = delay_line(e, 8)
+    products_of_four = np.column_stack([line[:, i : i + 4].prod(axis=1) for i in range(4)])
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "[0-9]+ functions explain more than chance", UserWarning)
+        capacity = information_processing_capacity(products_of_four, e, delays=12, threshold=threshold)
+    assert capacity.by_degree() == {1: 0, 2: 0, 3: 0}
+
+
+def test_what_rests_on_too_few_events_is_said():
+    e = innovations(3000, 0.02)
+    line = delay_line(e, 2)
+    with pytest.warns(
+        UserWarning, match=r"[0-9]+ functions explain more than chance, but on fewer than [34][0-9][0-9] "
+    ):
+        information_processing_capacity(line.prod(axis=1)[:, None], e, max_degree=2, delays=4)
+    fair = information_processing_capacity(delay_line(signs(3000), 2).prod(axis=1)[:, None], signs(3000), delays=4)
+    assert fair.total == pytest.approx(1, abs=0.01)
+
+
+@pytest.mark.parametrize("basis", ["walsh", "legendre"])
+@pytest.mark.parametrize("kind", ["white", "slow", "heavy"])
+def test_chance_passes_seldom_whatever_the_law_of_the_states(kind, basis):
+    """At 0.01; 1800 functions let 18 by, with standard deviation 4."""
+    passed = tried = 0
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        u = innovations(1200, 0.2, seed) if basis == "walsh" else rng.uniform(-1, 1, 1200)
+        noise = rng.normal(size=(1200, 8)) if kind != "heavy" else rng.standard_t(2, size=(1200, 8))
+        states = lfilter([1], [1, -0.99], noise, axis=0) if kind == "slow" else noise
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            capacity = information_processing_capacity(
+                states, u, basis=basis, max_degree=2, delays=30, significance=0.01, patience=None
+            )
+        tried += sum(capacity.tried.values())
+        passed += len(capacity.terms)
+    assert passed < 2 * 0.01 * tried + 5 * np.sqrt(0.01 * tried)
+
+
+def noisy_line(taps, samples, seed):
+    """A share of 1/2 of each of so many bits."""
+    z = signs(samples, seed)
+    return z, delay_line(z, taps) + np.random.default_rng(seed + 1000).normal(size=(samples, taps))
+
+
+def test_chance_is_taken_off_what_is_found():
+    """60 states that hold half a bit each: 30.7 without."""
+    totals, raw = [], []
+    for seed in range(5):
+        z, states = noisy_line(60, 1400, seed)
+        capacity = information_processing_capacity(states, z, max_degree=1, delays=60)
+        totals.append(capacity.total)
+        raw.append(np.sum(1 - (1 - capacity.capacity) * (1 - capacity.chance)))
+    assert np.mean(totals) == pytest.approx(30, abs=0.2)
+    assert np.mean(raw) > 30.5
+    np.testing.assert_allclose(capacity.chance, 30 / 1200, rtol=0.1)
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    """90 of 100 would have standard deviation 3."""
+    totals = each = 0
+    for seed in range(100):
+        z, states = noisy_line(4, 800, seed)
+        capacity = information_processing_capacity(states, z, max_degree=1, delays=6, confidence=0.9)
+        totals += capacity.total_interval[0] < 2 < capacity.total_interval[1]
+        each += capacity.capacity_interval[0, 0] < 0.5 < capacity.capacity_interval[1, 0]
+        assert capacity.total_interval[0] <= capacity.total <= capacity.total_interval[1]
+    assert 90 - 4 * 3 < totals <= 100
+    assert 90 - 4 * 3 < each <= 100
+
+
+def test_a_value_that_never_comes_up_is_no_error():
+    """Three of the four values of an innovation, as in a short run at a small dither."""
+    command = np.arange(400) // 5 % 2
+    flips = np.zeros(400, dtype=int)
+    flips[[150, 251, 350]] = 1 - command[[150, 251, 350]]
+    innovation = (command ^ flips) - np.where(command == 1, 0.99, 0.01)
+    assert len(np.unique(innovation.round(12))) == 3
+    np.testing.assert_allclose(walsh(innovation)[0], innovation / np.sqrt(0.01 * 0.99))
+    states = np.random.default_rng(0).normal(size=(400, 2))
+    assert information_processing_capacity(states, innovation, delays=5, washout=10).total == 0
+    with pytest.raises(ValueError, match="two values for the Walsh basis"):
+        walsh(np.array([-1.0, 0.0, 1.0]))
+
+
+def test_sensors_that_are_noisy_leave_less():
+    z = signs(5000)
+    line = delay_line(z, 4) * [1, 10, 100, 1000]
+    totals = [information_processing_capacity(line, z, max_degree=1, noise=db).total for db in (None, 60.0, 0.0)]
+    # Noise of a signal's own variance takes half of it.
+    assert totals == pytest.approx([4, 4, 2], abs=0.1)
+
+
+def test_shuffles_too_few_for_the_significance_are_refused():
+    u = bits(1000)
+    states = delay_line(u, 2)
+    with pytest.raises(
+        ValueError, match=r"surrogates must be 125 at least for a significance of 0\.0001 with 8 functions"
+    ):
+        information_processing_capacity(states, u, threshold="surrogates", delays=8, surrogates=20)
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.3])
+def test_a_fitted_tail_reaches_beyond_its_sample(scale):
+    """Of an exponential law, from a thousand values: the 1e-4 quantile is ln(1e4)."""
+    found = [tail_quantile(np.random.default_rng(seed).exponential(scale, 1000), 1e-4) / scale for seed in range(200)]
+    assert np.mean(np.exp(-np.array(found))) < 3e-4
+    assert np.median(found) == pytest.approx(np.log(1e4), rel=0.15)
+    many = np.random.default_rng(0).exponential(scale, 200_000)
+    assert tail_quantile(many, 1e-3) == pytest.approx(scale * np.log(1e3), rel=0.05)
 
 
 def test_states_that_never_move_compute_nothing():
