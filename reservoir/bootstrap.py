@@ -11,6 +11,9 @@ from ..validation import finite_array, number_within
 
 Array = NDArray[np.float64]
 
+# Correlation whose inverse hyperbolic tangent keeps digits.
+_NEARLY_ONE = 1 - 1e-14
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -80,8 +83,8 @@ def usual_block(samples: int, delays: Sequence[int] | NDArray[np.int64]) -> int:
     return max(1, min(max(math.ceil(samples ** (1 / 3)), span), samples // 10))
 
 
-def resampled_squared_correlations(prediction: Array, target: Array, block: int, resamples: int, seed: int) -> Array:
-    """Squared correlations on series made of blocks drawn from a series, with replacement.
+def resampled_correlations(prediction: Array, target: Array, block: int, resamples: int, seed: int) -> Array:
+    """Correlations on series made of blocks drawn from a series, with replacement.
 
     Neighbours in time depend on each other, and stay together in a block. The series is closed to a circle, so that
     every sample is drawn as often as any other [1]_. All rows are drawn alike, for the same input is a target in many.
@@ -97,7 +100,7 @@ def resampled_squared_correlations(prediction: Array, target: Array, block: int,
     Returns
     -------
     ndarray of shape (resamples, outputs)
-        As in `squared_correlation`; 0 where a prediction or a target came out constant.
+        In [-1, 1]; 0 where a prediction or a target came out constant.
 
     References
     ----------
@@ -117,9 +120,35 @@ def resampled_squared_correlations(prediction: Array, target: Array, block: int,
     starts = random.integers(0, samples, (resamples, blocks))
     sums = np.stack([of_block[drawn].sum(axis=0) for drawn in starts]) / (blocks * block)
     p1, t1, p2, t2, pt = sums.reshape(resamples, 5, outputs).transpose(1, 0, 2)
-    covariance = np.maximum(pt - p1 * t1, 0)
-    scale = np.maximum(p2 - p1**2, 0) * np.maximum(t2 - t1**2, 0)
-    return np.minimum(np.divide(covariance**2, scale, out=np.zeros_like(scale), where=scale > 0), 1)
+    covariance = pt - p1 * t1
+    scale = np.sqrt(np.maximum(p2 - p1**2, 0) * np.maximum(t2 - t1**2, 0))
+    return np.clip(np.divide(covariance, scale, out=np.zeros_like(scale), where=scale > 0), -1, 1)
+
+
+def squared_interval(drawn: Array, estimate: Array, confidence: float) -> Array:
+    """Basic interval of a correlation in the scale of its inverse hyperbolic tangent, squared.
+
+    In that scale a correlation scatters alike wherever it lies, and no end leaves [-1, 1]. Where the lower end is
+    negative the square's is 0.
+
+    Parameters
+    ----------
+    drawn : ndarray of shape (resamples, outputs)
+        Correlations of resamples.
+    estimate : ndarray of shape (outputs,)
+        Correlation of the series itself.
+    confidence : float, in (0, 1)
+
+    Returns
+    -------
+    ndarray of shape (2, outputs)
+    """
+    known = _spread_out(estimate)
+    ends = np.tanh(2 * known - percentiles(_spread_out(drawn), confidence)[::-1])
+    squared: Array = np.maximum(ends, 0) ** 2
+    # At 1 the tangent's digits end, and a score of the series is in its interval.
+    score = np.maximum(estimate, 0) ** 2
+    return np.array([np.minimum(squared[0], score), np.maximum(squared[1], score)])
 
 
 def percentiles(values: Array, confidence: float) -> Array:
@@ -135,6 +164,10 @@ def percentiles(values: Array, confidence: float) -> Array:
     ndarray of shape (2, ...)
     """
     return np.quantile(values, [(1 - confidence) / 2, (1 + confidence) / 2], axis=0)
+
+
+def _spread_out(correlation: Array) -> Array:
+    return np.arctanh(np.clip(correlation, -_NEARLY_ONE, _NEARLY_ONE))
 
 
 def _standardized(rows: Array) -> Array:

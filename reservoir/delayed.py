@@ -95,8 +95,8 @@ def delayed_squared_correlations(
     delays: Delays,
     start: int,
     stop: int,
-) -> Array:
-    """Squared correlation of each delayed message with its prediction, as in `squared_correlation`.
+) -> tuple[Array, Array]:
+    """Squared correlation of each delayed message with its prediction, as in `squared_correlation`, and its scatter.
 
     Parameters
     ----------
@@ -105,15 +105,20 @@ def delayed_squared_correlations(
     offset : ndarray of shape (features,)
         Subtracted from the states before they are weighted. It changes no correlation, but saves digits.
     message : ndarray of shape (samples,)
+        Of a mean that is small beside its spread.
     delays : ndarray of shape (delays,)
     start, stop : int
         First sample that is scored, and the one after the last.
 
     Returns
     -------
-    ndarray of shape (delays,)
+    squared : ndarray of shape (delays,)
+    scatter : ndarray of shape (delays,)
+        ``sum (p t)^2 / (sum p^2 sum t^2)`` of prediction p and message t, each without its mean: in White's form the
+        variance of the correlation where there is none. 1 / samples where p^2 and t^2 are unrelated, and where either
+        is constant.
     """
-    p, t, pp, tt, pt = np.zeros((5, len(delays)))
+    p, t, pp, tt, pt, ptt, pptt = np.zeros((7, len(delays)))
     for moved, rows in _blocks(states, message, delays, start, stop, offset):
         prediction = weights.T @ moved.T
         ones = np.ones(len(moved))
@@ -122,11 +127,19 @@ def delayed_squared_correlations(
         pp += np.vecdot(prediction, prediction)
         tt += np.vecdot(rows, rows)
         pt += np.vecdot(prediction, rows)
+        prediction *= rows
+        ptt += np.vecdot(prediction, rows)
+        pptt += np.vecdot(prediction, prediction)
     samples = stop - start
     covariance = np.maximum(pt - p * t / samples, 0)
     scale = np.maximum(pp - p**2 / samples, 0) * (tt - t**2 / samples)
     # Rounding can carry a perfect correlation past 1 in the last digit.
-    return np.minimum(np.divide(covariance**2, scale, out=np.zeros_like(scale), where=scale > 0), 1)
+    squared = np.minimum(np.divide(covariance**2, scale, out=np.zeros_like(scale), where=scale > 0), 1)
+    # The message's own mean is left in: it is of the order of its standard error.
+    level = p / samples
+    fourth = np.maximum(pptt - 2 * level * ptt + level**2 * tt, 0)
+    scatter = np.divide(fourth, scale, out=np.full_like(scale, 1 / samples), where=scale > 0)
+    return squared, scatter
 
 
 def _blocks(

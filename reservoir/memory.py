@@ -1,18 +1,35 @@
 """Linear memory capacity: how much of its past input a reservoir's state still holds."""
 
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..validation import finite_array, known_names, number_within, whole_number
-from .bootstrap import Estimate, mean_over_runs, percentiles, resampled_squared_correlations, usual_block
+from .bootstrap import (
+    Estimate,
+    mean_over_runs,
+    percentiles,
+    resampled_correlations,
+    squared_interval,
+    usual_block,
+)
 from .delayed import delayed_products, delayed_rows, delayed_squared_correlations, Delays
 from .metrics import squared_correlation_of_rows
-from .orthonormal import Array, column_norms, of_usual_size, rank_of, repair, surely_full_rank, whitening
+from .orthonormal import (
+    Array,
+    column_norms,
+    of_usual_size,
+    orthonormal_basis,
+    rank_of,
+    repair,
+    surely_full_rank,
+    whitening,
+)
 from .ridge import (
     affine_weights,
     leave_one_out,
@@ -22,6 +39,11 @@ from .ridge import (
     training_samples,
     whitened_weights,
 )
+from .sensor_noise import with_sensor_noise
+from .significance import chance
+
+# Samples a state in the readout's fit below which it is said that there are few.
+_FEW = 5
 
 Scoring = Literal["held out", "leave one out"]
 
@@ -36,20 +58,25 @@ class MemoryCapacity:
         Steps into the past; 0 is the input the state has just absorbed.
     profile : ndarray of shape (delays,)
         Capacity MC_d at each delay, in [0, 1].
-    cutoff : float
+    cutoff : ndarray of shape (delays,), or float
         The capacity at or below which a delay cannot be told from chance.
     bound : int
         Rank of the centred states. Summed over all delays no linear readout of them can remember more, but for
         what chance adds in a finite sample.
     profile_interval : ndarray of shape (2, delays), or None
         Ends of the interval of confidence of each capacity, if resamples were asked for.
-    total_interval, corrected_interval : tuple of two floats, or None
-        Of `total`, and of `corrected` with the delays above the cutoff as they are.
+    total_interval : tuple of two floats, or None
+        Of the sum of the true capacities of this readout over all delays. `total` overestimates it by what chance adds,
+        and is in the interval none the less.
+    corrected_interval : tuple of two floats, or None
+        Of the sum of the true capacities, of this readout at the delays above the cutoff and of the best readout at all
+        of them alike: the lower end is that of the former, the upper end that of all delays and of what the readout
+        lost by being fitted to a finite series.
     """
 
     delays: Delays
     profile: Array
-    cutoff: float
+    cutoff: Array | float
     bound: int
     profile_interval: Array | None = None
     total_interval: tuple[float, float] | None = None
@@ -77,6 +104,7 @@ def memory_capacity(
     ridge: float = RIDGE,
     fit_intercept: bool = True,
     significance: float = 1e-4,
+    noise: float | None = None,
     resamples: int = 0,
     confidence: float = 0.95,
     seed: int = 0,
@@ -86,22 +114,28 @@ def memory_capacity(
     MC_d is the squared correlation of ``message[k - d]`` with its prediction from ``states[k]``, over samples
     the readout was not fitted on; one ridge solve serves all delays. Equation (12) of the paper, after [1]_.
 
-    The cutoff is that of [2]_, what a state without memory would score, for predictions of samples that were not
+    The cutoff follows [2]_, what a state without memory would score, for predictions of samples that were not
     fitted. In [2]_ the readout is scored on the samples it was fitted on, where chance grows with the number of
-    features. Held out, if the state knows nothing of ``message[k - d]``, the prediction is independent of it, and
-    test samples x correlation^2 follows a chi-squared law with one degree of freedom, however many the
-    features. A negative correlation scores 0, so only the half of that law with positive sign passes q::
+    features. Held out, if the state is uncorrelated with ``message[k - d]``, so is the prediction p. The correlation
+    then has mean 0 and, in White's form [3]_, the variance ``sum p^2 e^2 / (sum p^2 sum e^2)``: 1 / test samples if p^2
+    says nothing of e^2, and much more if both are large at the same rare flips. A negative correlation scores 0, so
+    only the half of the normal law with positive sign passes::
 
-        P(correlation > 0 and test samples * correlation^2 > q) = P(N(0, 1) > sqrt(q)) = significance
+        P(correlation > z sqrt(variance)) = P(N(0, 1) > z) = significance
 
     Left out one by one, the prediction of a message y is ``(H y - h y) / (1 - h)``, with H the projection on r
     centred directions and the constant, and h = (r + 1) / n its mean leverage. With s = y^T H y / Var y, less the
-    constant's share, which follows a chi-squared law with r degrees of freedom,
-    ``correlation = (s - r - 1) / sqrt(n (s - 2 h s + n h^2))``. The cutoff is its square at the quantile of s.
+    constant's share, ``correlation = (s - r - 1) / sqrt(n (s - 2 h s + n h^2))``. The cutoff is its square at the
+    quantile of s / n, which follows a beta law, or one of its own for each delay where e^2 is not constant:
+    `stickslip.reservoir.significance`.
 
-    The interval, if resamples are asked for, is that of a circular block bootstrap of the scored samples, the readout
-    being as it is. It says how far a score can be trusted that was measured in a run as short as this one. What
-    another run would give, with another readout and other random weights, is said by `memory_over_runs`.
+    That a state remembers rare flips rests on the flips. One that holds a product of two flips is a multiple of either
+    until both fall together, and passes for memory below some ``9 / dither^2`` samples. `docs/trust.md` has the rates.
+
+    The intervals, if resamples are asked for, are basic ones of a circular block bootstrap of the scored samples, for
+    single capacities in the scale of ``artanh(correlation)``. They say how far a score can be trusted that was
+    measured in a run as short as this one. What another run would give, with another readout and other random weights,
+    is said by `memory_over_runs`.
 
     Parameters
     ----------
@@ -124,12 +158,15 @@ def memory_capacity(
         As in `fit_readout`.
     significance : float, in (0, 1/2)
         Probability that a delay without memory passes the cutoff.
+    noise : float, optional
+        Signal-to-noise ratio of the sensors that read the states, in decibels; see
+        `stickslip.reservoir.sensor_noise`. None by default.
     resamples : int
         Of the bootstrap. A thousand are plenty; none by default.
     confidence : float, in (0, 1)
         Share of the resamples within the interval.
     seed : int
-        Of the bootstrap.
+        Of the bootstrap and the noise.
 
     Returns
     -------
@@ -143,11 +180,18 @@ def memory_capacity(
         If an array has a wrong shape, is not finite or too short, the message is constant where it is scored, or an
         argument is out of range.
 
+    Warns
+    -----
+    UserWarning
+        If the readout is fitted on fewer than five samples a state.
+
     References
     ----------
     .. [1] H. Jaeger, "Short term memory in echo state networks", GMD Report 152, 2001.
     .. [2] J. Dambre, D. Verstraeten, B. Schrauwen and S. Massar, "Information processing capacity of
        dynamical systems", Scientific Reports 2, 514, 2012.
+    .. [3] H. White, "A heteroskedasticity-consistent covariance matrix estimator and a direct test for
+       heteroskedasticity", Econometrica 48, 817, 1980.
     """
     x = of_usual_size(finite_array("states", states, 2))
     e = finite_array("message", message, 1)
@@ -166,34 +210,49 @@ def memory_capacity(
     if fit_intercept:
         # Its level is the constant's, and sums of products keep more digits without it.
         e = e - e.mean()
+    x = with_sensor_noise(x, noise, seed)
     first = start if scoring == "leave one out" else start + training_samples(len(x) - start, holdout)
     _refuse_a_constant(e, lags, first)
     prediction = None
     if scoring == "leave one out":
-        bound = rank_of(x[start:])
-        cutoff = _leave_one_out_cutoff(bound, len(x) - start, significance)
+        training = len(x) - start
+        basis = orthonormal_basis(x[start:])
+        bound = basis.shape[1]
+        cutoff = _leave_one_out_cutoff(basis, delayed_rows(e, lags, start, len(e)), significance)
         prediction = leave_one_out(x[start:], delayed_rows(e, lags, start, len(e)).T, ridge, fit_intercept).T
     else:
         weights, bound = _weights_and_bound(x, e, lags, start, first, ridge, fit_intercept)
-        cutoff = NormalDist().inv_cdf(significance) ** 2 / (len(x) - first)
-        if resamples == 0:
-            profile = delayed_squared_correlations(x, weights, x[start], e, lags, first, len(x))
-            return MemoryCapacity(lags, profile, cutoff, bound)
-        prediction = weights.T @ (x[first:] - x[start]).T
+        training = first - start
+        profile, scatter = delayed_squared_correlations(x, weights, x[start], e - e.mean(), lags, first, len(x))
+        cutoff = NormalDist().inv_cdf(significance) ** 2 * scatter
+        if resamples > 0:
+            prediction = weights.T @ (x[first:] - x[start]).T
+    if training < _FEW * bound:
+        warnings.warn(
+            f"the readout is fitted on {training} samples of {bound} independent states: below {_FEW} samples a state "
+            f"it misses much of the memory that is there",
+            stacklevel=2,
+        )
+    if prediction is None:
+        return MemoryCapacity(lags, profile, cutoff, bound)
     target = delayed_rows(e, lags, first, len(e))
     profile = squared_correlation_of_rows(prediction, target)
     if resamples == 0:
         return MemoryCapacity(lags, profile, cutoff, bound)
     block = usual_block(target.shape[1], lags)
-    drawn = resampled_squared_correlations(prediction, target, block, resamples, seed)
+    drawn = resampled_correlations(prediction, target, block, resamples, seed)
+    signed = np.sqrt(profile) - np.sqrt(squared_correlation_of_rows(-prediction, target))
+    total, of_found = _interval(drawn, profile, confidence), _interval(drawn, profile, confidence, profile > cutoff)
+    # To first order in features / samples, of the best readout's capacity C a share of 1 - C is lost.
+    lost = float(np.sum((1 - profile)[profile > cutoff])) * bound / training
     return MemoryCapacity(
         lags,
         profile,
         cutoff,
         bound,
-        profile_interval=percentiles(drawn, confidence),
-        total_interval=_ends(drawn.sum(axis=1), confidence),
-        corrected_interval=_ends(drawn[:, profile > cutoff].sum(axis=1), confidence),
+        profile_interval=squared_interval(drawn, signed, confidence),
+        total_interval=total,
+        corrected_interval=(of_found[0], max(of_found[1], total[1]) + lost),
     )
 
 
@@ -307,20 +366,23 @@ def _weights_and_bound(
     return whitened_weights(white.map, triangle, projected, penalty), len(gram) if full else rank_of(x[start:])
 
 
-def _leave_one_out_cutoff(rank: int, samples: int, significance: float) -> float:
-    # Imported where it is used: it takes a fifth of a second, and whoever only steps an environment needs none of it.
-    from scipy.special import chdtri
-
+def _leave_one_out_cutoff(basis: Array, rows: Array, significance: float) -> Array:
+    samples, rank = basis.shape
     if rank == 0:
-        return 0.0
+        return np.zeros(len(rows))
     leverage = (rank + 1) / samples
-    s = float(chdtri(rank, significance))
-    return (s - rank - 1) ** 2 / (samples * (s - 2 * leverage * s + samples * leverage**2))
+    s = samples * chance(basis, rows, significance).cutoff
+    cutoff: Array = np.maximum(s - rank - 1, 0) ** 2 / (samples * (s - 2 * leverage * s + samples * leverage**2))
+    return np.minimum(cutoff, 1)
 
 
-def _ends(values: Array, confidence: float) -> tuple[float, float]:
-    low, high = percentiles(values, confidence)
-    return float(low), float(high)
+def _interval(
+    drawn: Array, profile: Array, confidence: float, chosen: NDArray[np.bool_] | slice = slice(None)
+) -> tuple[float, float]:
+    """Basic interval of a sum of squared correlations, and the estimate in it."""
+    estimate = float(profile[chosen].sum())
+    low, high = 2 * estimate - percentiles((np.maximum(drawn, 0) ** 2)[:, chosen].sum(axis=1), confidence)[::-1]
+    return max(0.0, min(low, estimate)), min(max(high, estimate), float(profile[chosen].size))
 
 
 def _lags(delays: int | Sequence[int]) -> Delays:

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Variation of y^2 over its mean up to which it is constant: a share of ones estimated from the sample leaves some.
-_CONSTANT = 1e-3
+# Standard deviation of y^2 over its mean up to which it counts as constant: fair bits less their mean leave some.
+_CONSTANT = 0.1
 VALUES_FOR_A_TAIL = 1000
 """From fewer no tail is fitted: its largest tenth would be below a hundred."""
 # Values beyond a quantile from which it is taken from them.

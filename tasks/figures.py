@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import cast, TYPE_CHECKING
 
+import numpy as np
+
 from ..extras import optional_import
 from ..reservoir import MemoryCapacity
 
@@ -47,7 +49,7 @@ def plot_memory_profile(memories: Mapping[str, MemoryCapacity], *, ax: Axes | No
         for (name, memory), color, marker in zip(memories.items(), OKABE_ITO, MARKERS, strict=False):
             label = f"{name}: {memory.corrected:.2f} of {memory.bound}"
             ax.plot(memory.delays, memory.profile, marker, ls="-", lw=1, ms=3.5, color=color, label=label)
-        cutoff = max(memory.cutoff for memory in memories.values())
+        cutoff = max(np.max(memory.cutoff) for memory in memories.values())
         ax.axhspan(0, cutoff, color="0.85", lw=0, zorder=0, label="chance")
         ax.set(xlabel="delay (holds)", ylabel=r"memory capacity $MC_d$", ylim=(-0.02, 1.05))
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))

@@ -7,6 +7,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
+import numpy as np
+
 from ..files import atomically
 from ..fingerprint import described, refuse_other
 from .benchmark import Attempt
@@ -28,7 +30,7 @@ class Record(NamedTuple):
     seed : int
     score : float
     details : dict
-        What else was measured, ready for JSON: of memory the profile, its cutoff and bound; of a series the first
+        What else was measured, ready for JSON: of memory the profile, its cutoffs and bound; of a series the first
         held-out samples of prediction and target.
     """
 
@@ -45,7 +47,11 @@ class Record(NamedTuple):
         details = dict(solution.details or {})
         if solution.memory is not None:
             memory = solution.memory
-            details |= {"profile": memory.profile.tolist(), "cutoff": memory.cutoff, "bound": memory.bound}
+            details |= {
+                "profile": memory.profile.tolist(),
+                "cutoff": np.asarray(memory.cutoff).tolist(),
+                "bound": memory.bound,
+            }
         if solution.prediction is not None and solution.target is not None:
             details["prediction"] = solution.prediction[:SHOWN].tolist()
             details["target"] = solution.target[:SHOWN].tolist()

@@ -3,7 +3,7 @@ import pytest
 from scipy import stats
 
 from stickslip.reservoir import mean_over_runs, squared_correlation
-from stickslip.reservoir.bootstrap import percentiles, resampled_squared_correlations, usual_block
+from stickslip.reservoir.bootstrap import resampled_correlations, squared_interval, usual_block
 
 
 def test_the_interval_over_runs_is_students():
@@ -25,19 +25,20 @@ def test_a_single_block_of_all_samples_is_the_series_itself():
     rng = np.random.default_rng(0)
     target = rng.normal(size=(3, 50))
     prediction = target + rng.normal(size=(3, 50)) + 4
-    drawn = resampled_squared_correlations(prediction, target, 50, 20, 0)
-    np.testing.assert_allclose(drawn, np.tile(squared_correlation(prediction.T, target.T), (20, 1)), atol=1e-12)
+    drawn = resampled_correlations(prediction, target, 50, 20, 0)
+    np.testing.assert_allclose(drawn**2, np.tile(squared_correlation(prediction.T, target.T), (20, 1)), atol=1e-12)
 
 
 def test_resamples_are_scored_as_if_they_were_written_out():
     rng = np.random.default_rng(0)
     target = rng.normal(size=(2, 23))
     prediction = target + rng.normal(size=(2, 23))
-    drawn = resampled_squared_correlations(prediction, target, 5, 4, seed=3)
+    drawn = resampled_correlations(prediction, target, 5, 4, seed=3)
     starts = np.random.default_rng(3).integers(0, 23, (4, 5))
     for found, each in zip(drawn, starts, strict=True):
         index = (each[:, None] + np.arange(5)).ravel() % 23
-        np.testing.assert_allclose(found, squared_correlation(prediction[:, index].T, target[:, index].T), atol=1e-12)
+        expected = [np.corrcoef(p[index], t[index])[0, 1] for p, t in zip(prediction, target, strict=True)]
+        np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
@@ -50,12 +51,16 @@ def test_intervals_hold_the_truth_as_often_as_they_say(memory):
         rng = np.random.default_rng(seed)
         common, first, second = lfilter([1], [1, -memory], rng.normal(size=(3, 2000)), axis=1)
         a, b = np.sqrt(0.6), np.sqrt(0.4)
-        drawn = resampled_squared_correlations(
-            (a * common + b * first)[None], (a * common + b * second)[None], 40, 200, seed
-        )
-        low, high = percentiles(drawn[:, 0], 0.9)
+        prediction, target = (a * common + b * first)[None], (a * common + b * second)[None]
+        drawn = resampled_correlations(prediction, target, 40, 200, seed)
+        low, high = squared_interval(drawn, np.corrcoef(prediction[0], target[0])[:1, 1], 0.9)[:, 0]
         hits += low < 0.36 < high
     assert 90 - 5 * 3 < hits <= 100
+
+
+def test_the_interval_of_a_perfect_or_a_missing_correlation():
+    drawn = np.tile([1.0, 0.0, -0.3], (50, 1))
+    np.testing.assert_allclose(squared_interval(drawn, drawn[0], 0.9), [[1, 0, 0], [1, 0, 0]], atol=1e-12)
 
 
 def test_blocks_span_the_delays_but_leave_blocks_to_draw():

@@ -100,9 +100,15 @@ def test_products_by_blocks_are_those_of_whole_matrices(offset, delays):
 
     weights = rng.normal(size=(7, len(lags)))
     weights[:, 0] = 0
-    scores = delayed_squared_correlations(states, weights, states[0], message, lags, 310, 2500)
-    np.testing.assert_allclose(scores, squared_correlation(states[310:2500] @ weights, rows.T), atol=1e-12)
+    scores, scatter = delayed_squared_correlations(states, weights, states[0], message, lags, 310, 2500)
+    prediction = states[310:2500] @ weights
+    np.testing.assert_allclose(scores, squared_correlation(prediction, rows.T), atol=1e-12)
     assert scores[0] == 0
+    p, t = (prediction - prediction.mean(axis=0))[:, 1:], (rows.T - rows.T.mean(axis=0))[:, 1:]
+    expected = np.sum((p * t) ** 2, axis=0) / np.sum(p**2, axis=0) / np.sum(t**2, axis=0)
+    # The message's mean is left in, which has a standard error of 1/47.
+    np.testing.assert_allclose(scatter[1:], expected, rtol=0.1)
+    assert scatter[0] == 1 / 2190
 
 
 def test_a_delay_line_is_its_own_basis():
