@@ -15,7 +15,7 @@ demo: $(VENV)/ready $(VENV)/kernels
 test: lint types layers $(VENV)/kernels
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
-slow: $(VENV)/kernels
+slow: $(VENV)/kernels $(VENV)/interop-ready
 	$(BIN)/python -m pytest -m slow
 
 lint: $(VENV)/ready
@@ -38,6 +38,11 @@ bench: $(VENV)/kernels
 $(VENV)/ready: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	touch $@
+
+# The packages of docs/recipes.md; what cannot share this environment has one in $(VENV)/interop, made by its test.
+$(VENV)/interop-ready: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[interop]'
 	touch $@
 
 # numba keys its cache by the file of the outermost function alone, and would go on using an edited callee as it was.
