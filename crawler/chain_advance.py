@@ -41,7 +41,7 @@ from .events import breaking_loose, change_motion, comes_to_rest, motion_after_r
 from .polynomial import horner, sharp_descent
 from .progress import keep, opening_of, outcome_of, run_through, steps_of_a_call, stretch_of
 from .taylor import ROUNDING, SHORTENINGS, TRUST
-from .workspace import FORCE, SCRATCH
+from .workspace import FORCE, SCRATCH, V, Z
 
 __all__ = ["drive_chain"]
 
@@ -301,10 +301,12 @@ def _next_event(
     speed = rear[SCRATCH]
     for n in range(order + 1):
         speed[n] = body.motion * series.foot_velocity[n]
-    moment = sharp_descent(speed, started(speed, physics, order), length)
+    moment = sharp_descent(speed, started(speed, body, physics, order, rear), length)
     if moment > length:
         _, velocity = foot_at(body, order, length, series)
-        if not comes_to_rest(body.motion, physics, horner(rear[FORCE], order, length), velocity):
+        z, v = horner(rear[Z], order + 1, length), horner(rear[V], order + 1, length)
+        pressure = pressure_after(body, physics, valve, length)
+        if not comes_to_rest(body.motion, physics, z, v, pressure, velocity):
             return length, body.motion
         moment = length
     return moment, motion_after_rest(body.motion, physics, horner(rear[FORCE], order, moment))

@@ -13,6 +13,7 @@ from .workspace import END_V, FIRST, FLATTEST, FORCE, HIGHEST, LENGTH, LOWEST, S
 
 __all__ = [
     "breaking_loose",
+    "breaks_loose",
     "change_motion",
     "comes_to_rest",
     "foot_speed",
@@ -24,17 +25,15 @@ __all__ = [
 
 # At a graze Newton halves the distance to the root, and no more, with every iteration.
 _POLISHINGS = 40
-# Least braking force, above the rounding of a force, that tells a foot coming to rest from one breaking loose.
-_BRAKING = 1e-12
 # A force vanishes within so much of its terms: that is above their rounding, and that of the time at which it does.
 _VANISHING = 1e-12
 
 
 @merged
 def next_event(
-    body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
+    body: Body, ahead: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
 ) -> tuple[float, int]:
-    """Where the step ends, at most at `length`, and the motion that follows."""
+    """Where the step ends, at most at `length` with the state `ahead`, and the motion that follows."""
     if physics.anchored | is_quiet(body, physics, series[FORCE, 0], series[STEP]):
         return length, body.motion
     if body.motion == STUCK:
@@ -42,8 +41,8 @@ def next_event(
     degree = foot_speed(body, physics, order, series)
     moment = sharp_descent(series[SCRATCH], degree, length)
     if moment > length:
-        velocity = foot_velocity_at(body, physics, horner(series[V], order + 1, length), length)
-        if not comes_to_rest(body.motion, physics, horner(series[FORCE], order, length), velocity):
+        z, v = ahead.deformation, ahead.velocity
+        if not comes_to_rest(body.motion, physics, z, v, ahead.pressure, ahead.foot_velocity):
             return length, body.motion
         moment = length
     return moment, motion_after_rest(body.motion, physics, horner(series[FORCE], order, moment))
@@ -111,13 +110,25 @@ def motion_after_rest(motion: int, physics: Physics, pull: float) -> int:
 
 
 @compiled
-def comes_to_rest(motion: int, physics: Physics, pull: float, foot_velocity: float) -> bool:
-    """Whether rounding alone has hidden that the sliding foot comes to rest here, under the force `pull`.
+def comes_to_rest(motion: int, physics: Physics, z: float, v: float, pressure: float, foot_velocity: float) -> bool:
+    """Whether a sliding foot is at rest at the end of a smooth motion in which no fall of its speed was found.
 
-    A foot at rest in the next step would be taken for one that has just broken loose, which drag does not hold back.
+    Rounding hides some falls, and a speed that nothing brakes fades to 0 without one. The state is that of the segment
+    in front of the foot.
     """
-    braking = motion * (pull + physics.foot_fraction * physics.slope) + physics.kinetic_friction
-    return motion * foot_velocity <= 0.0 and braking > _BRAKING
+    return foot_velocity == 0.0 and not breaks_loose(motion, physics, z, v, pressure)
+
+
+@compiled
+def breaks_loose(motion: int, physics: Physics, z: float, v: float, pressure: float) -> bool:
+    """Whether a foot without speed is pulled into `motion` at least as hard as static friction holds, but for rounding.
+
+    The force has no jumps: this tells a foot that has just broken loose, in the hold before perhaps, from one whose
+    speed has come to 0.
+    """
+    pull = -motion * (force(physics, z, v, pressure) + physics.foot_fraction * physics.slope)
+    size = force_terms(physics, z, v) + physics.static_friction
+    return pull >= physics.static_friction - _VANISHING * size
 
 
 @compiled
@@ -150,11 +161,11 @@ def foot_speed(body: Body, physics: Physics, order: int, series: NDArray[np.floa
     for n in range(1, order + 1):
         speed[n] = -direction * physics.payload_fraction * series[V, n]
     speed[1] -= direction * retardation(physics, direction)
-    return started(speed, physics, order)
+    return started(speed, body, physics, order, series)
 
 
 @compiled
-def started(speed: NDArray[np.float64], physics: Physics, degree: int) -> int:
+def started(speed: NDArray[np.float64], body: Body, physics: Physics, degree: int, series: NDArray[np.float64]) -> int:
     """Divide out the root with which a slip begins at rest; return the degree of what is left.
 
     The pull is then at least static friction, which rounding could hide where the two frictions are equal.
@@ -163,8 +174,9 @@ def started(speed: NDArray[np.float64], physics: Physics, degree: int) -> int:
         return degree
     for n in range(degree):
         speed[n] = speed[n + 1]
-    surplus = (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction
-    speed[0] = max(speed[0], surplus)
+    if breaks_loose(body.motion, physics, series[Z, 0], series[V, 0], body.pressure):
+        surplus = (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction
+        speed[0] = max(speed[0], surplus)
     return degree - 1
 
 

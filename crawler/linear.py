@@ -15,7 +15,7 @@ from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
 from .closed_form import Propagator, propagator, Rates, rates_of, tabulated
 from .control import AFRESH, Control, DIVERGED, FINISHED, Leg, LOG_FULL, OUT_OF_STEPS, Outcome, PAUSED, Taylor20
 from .equations import acceleration_at_no_force, force, moved, retardation
-from .events import change_motion, comes_to_rest, foot_speed, motion_after_rest
+from .events import breaks_loose, change_motion, comes_to_rest, foot_speed, motion_after_rest
 from .groups import Groups
 from .linear_energy import account_linear
 from .marching import Deviation, deviation, first_fall, Margin, Modes, modes_of, safe_start
@@ -186,7 +186,8 @@ def _next_event(
         moment, over = length, whole
     following = _carried(body, start, physics, valve, over, moment)
     pull = force(physics, following.deformation, following.velocity, following.pressure)
-    if rests or comes_to_rest(body.motion, physics, pull, following.foot_velocity):
+    z, v = following.deformation, following.velocity
+    if rests or comes_to_rest(body.motion, physics, z, v, following.pressure, following.foot_velocity):
         return moment, motion_after_rest(body.motion, physics, pull), spent
     return length, body.motion, spent
 
@@ -223,9 +224,10 @@ def _standstill(
     begin = 0.0
     if body.foot_velocity == 0.0:
         # A slip begins at rest, and its speed is at first a difference that rounding swamps.
-        surplus = (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction
         gained = margin.drift + margin.factor * start.acceleration
-        begin = safe_start(margin, start, rates, modes, max(gained, surplus))
+        if breaks_loose(direction, physics, body.deformation, body.velocity, body.pressure):
+            gained = max(gained, (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction)
+        begin = safe_start(margin, start, rates, modes, gained)
         if begin == 0.0:
             begin = min(length, 1.0 / max(rates.fast, rates.lag, math.sqrt(rates.yielding)))
             series = np.empty((ROWS, WIDTH))

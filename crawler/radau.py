@@ -64,6 +64,8 @@ _SHORTEN, _LENGTHEN = 0.1, 10.0
 _EXTRAPOLATION = 3.0
 # An event before this part of a step is sought again in a step that ends this much beyond it.
 _EARLY, _BEYOND = 0.8, 1.1
+# The powers of a shorter step than this, by which its polynomials are divided, leave the range of floats.
+_SHORTEST = 1e-25
 # An event is believed of a grip or a slip so many times the error at the step's start.
 _CLEAR = 10.0
 # An L-stable method would hold fast what an unstable body lets go: its step is so many e-folds at most.
@@ -221,7 +223,7 @@ def radau_again(
     -------
     Pace
     """
-    if pace.error > 0.0 and moment > 0.0:
+    if pace.error > 0.0 and moment > _SHORTEST:
         if moment < _EARLY * pace.span:
             return Pace(_BEYOND * moment, pace.span, 0.0, pace.error)
         if _clearance(body, physics, series) < _CLEAR * pace.error * tolerance:
