@@ -13,6 +13,11 @@ Array = NDArray[np.float64]
 
 # Correlation whose inverse hyperbolic tangent keeps digits.
 _NEARLY_ONE = 1 - 1e-14
+# Share of the mean that a run counts for at least in a logarithm: 0 has none.
+_FLOOR = 0.1
+# Lengths of Student's half interval that skew may add to it: two runs would be worth nothing otherwise.
+_FURTHEST = 5
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -33,17 +38,28 @@ class Estimate:
     runs: int
 
 
-def mean_over_runs(values: ArrayLike, confidence: float = 0.95) -> Estimate:
+def mean_over_runs(
+    values: ArrayLike, confidence: float = 0.95, *, bounds: tuple[float, float] | None = None
+) -> Estimate:
     """Average a score over independent runs.
 
     The interval is Student's: ``mean ± t s / sqrt(runs)``, s being the sample standard deviation. For the five or ten
     runs that are usual, a bootstrap over them would be far too narrow.
+
+    A score near a bound is skewed away from it, and five runs seldom hold the few that make its mean: Student's
+    interval then covers 84% where it says 95%. So where there is a lower bound the upper end is at least
+    ``mean exp(t s' / sqrt(runs))``, with s' the standard deviation of the logarithms of what is above the bound, each
+    at least a tenth of its mean (but at most five times as far from the mean as Student's end). Likewise for an upper
+    bound; and no end passes a bound. Without bounds, values of one sign are treated as bounded by 0, but for the end
+    that may pass it. `docs/trust.md` says what that covers.
 
     Parameters
     ----------
     values : array_like of shape (runs,)
         Two at least, each with its own seed.
     confidence : float, in (0, 1)
+    bounds : tuple of two floats, optional
+        Between which the score always lies: (0, inf) for a capacity or an error, none for a difference of scores.
 
     Returns
     -------
@@ -52,7 +68,7 @@ def mean_over_runs(values: ArrayLike, confidence: float = 0.95) -> Estimate:
     Raises
     ------
     ValueError
-        If there are fewer than two values, one is not finite, or `confidence` is out of range.
+        If there are fewer than two values, one is not finite or out of bounds, or `confidence` is out of range.
     """
     # Imported where it is used: it takes a fifth of a second, and whoever only steps an environment needs none of it.
     from scipy.special import stdtrit
@@ -61,8 +77,27 @@ def mean_over_runs(values: ArrayLike, confidence: float = 0.95) -> Estimate:
     confidence = number_within("confidence", confidence, "(0, 1)")
     if len(x) < 2:
         raise ValueError(f"values must hold two runs at least to tell how much they differ, got {len(x)}")
-    half = stdtrit(len(x) - 1, (1 + confidence) / 2) * x.std(ddof=1) / math.sqrt(len(x))
-    return Estimate(float(x.mean()), float(x.mean() - half), float(x.mean() + half), len(x))
+    least, most = (-math.inf, math.inf) if bounds is None else bounds
+    # A score may miss its bound by rounding.
+    if not least < most or (x < least - _ROUNDING).any() or (x > most + _ROUNDING).any():
+        raise ValueError(f"bounds must hold all values, from {x.min()} to {x.max()}, got {bounds}")
+    errors = float(stdtrit(len(x) - 1, (1 + confidence) / 2)) / math.sqrt(len(x))
+    mean, half = float(x.mean()), errors * float(x.std(ddof=1))
+    low, high = max(mean - half, least), min(mean + half, most)
+    below, above = (0.0 if (x >= 0).all() else least, 0.0 if (x <= 0).all() else most) if bounds is None else bounds
+    if math.isfinite(above):
+        low = max(least, min(low, max(above - _skewed_end(above - x, errors), mean - _FURTHEST * half)))
+    if math.isfinite(below):
+        high = min(most, max(high, min(below + _skewed_end(x - below, errors), mean + _FURTHEST * half)))
+    return Estimate(mean, low, high, len(x))
+
+
+def _skewed_end(x: Array, errors: float) -> float:
+    mean = float(x.mean())
+    if mean <= 0:
+        return 0.0
+    logs = np.log(np.maximum(x, _FLOOR * mean))
+    return mean * math.exp(errors * float(logs.std(ddof=1)))
 
 
 def usual_block(samples: int, delays: Sequence[int] | NDArray[np.int64]) -> int:

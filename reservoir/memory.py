@@ -1,5 +1,6 @@
 """Linear memory capacity: how much of its past input a reservoir's state still holds."""
 
+import math
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -303,14 +304,16 @@ def memory_over_runs(memories: Sequence[MemoryCapacity], confidence: float = 0.9
     for run in runs:
         if not np.array_equal(run.delays, runs[0].delays):
             raise ValueError(f"memories must share their delays, got {runs[0].delays} and {run.delays}")
-    total = mean_over_runs([run.total for run in runs], confidence)
-    at_delays = [mean_over_runs(values, confidence) for values in np.transpose([run.profile for run in runs])]
+    sums = (0.0, float(len(runs[0].delays)) if runs else math.inf)
+    total = mean_over_runs([run.total for run in runs], confidence, bounds=sums)
+    profiles = np.transpose([run.profile for run in runs])
+    at_delays = [mean_over_runs(values, confidence, bounds=(0.0, 1.0)) for values in profiles]
     return MemoryOverRuns(
         delays=runs[0].delays,
         profile=np.array([at.mean for at in at_delays]),
         profile_interval=np.array([[at.low for at in at_delays], [at.high for at in at_delays]]),
         total=total,
-        corrected=mean_over_runs([run.corrected for run in runs], confidence),
+        corrected=mean_over_runs([run.corrected for run in runs], confidence, bounds=sums),
         bound=max(run.bound for run in runs),
     )
 

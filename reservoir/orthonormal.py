@@ -20,6 +20,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import finite_array
+from .sensor_noise import noise_over_signal
 
 Array = NDArray[np.float64]
 
@@ -200,16 +201,21 @@ def orthonormal_basis(states: Array) -> Array:
     return _without_mean(q @ left[:, singular > _tolerance(singular)])
 
 
-def state_rank(states: ArrayLike) -> int:
-    """Count the directions in which states vary by more than their rounding.
+def state_rank(states: ArrayLike, *, noise: float | None = None) -> int:
+    """Count the directions in which states vary by more than their rounding, or than the noise of their sensors.
 
     It bounds every sum of capacities. Each column is divided by its norm, offset included, and then centred, so that
     its rounding is that of the number 1; a singular value counts if it is above a hundred such roundings. Neither the
     unit of a column nor its offset matters, as long as the offset leaves digits for what varies.
 
+    With noise in each feature in proportion to its standard deviation, a direction counts if the features, each in
+    units of it, vary in that direction by more than the noise.
+
     Parameters
     ----------
     states : array_like of shape (samples, features)
+    noise : float, optional
+        Signal-to-noise ratio of the sensors in decibels.
 
     Returns
     -------
@@ -220,7 +226,12 @@ def state_rank(states: ArrayLike) -> int:
     ValueError
         If `states` has a wrong shape or is not finite.
     """
-    return rank_of(of_usual_size(finite_array("states", states, 2)))
+    x = of_usual_size(finite_array("states", states, 2))
+    if noise is None:
+        return rank_of(x)
+    moved = centre(x).states
+    spread = column_norms(moved)
+    return int((np.linalg.svd(moved / spread, compute_uv=False) > noise_over_signal(noise)).sum())
 
 
 def rank_of(states: Array) -> int:

@@ -17,16 +17,16 @@ _LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "scikit-learn")
 _DIGITS = {"NRMSE": 3, "accuracy": 3}
 
 
-def estimates(records: Iterable[Record]) -> dict[tuple[str, str], Estimate]:
+def estimates(records: Iterable[Record], bounds: tuple[float, float] | None = None) -> dict[tuple[str, str], Estimate]:
     """Mean over seeds with its 95% interval, by task and reservoir in order of first appearance.
 
-    Of a single seed the ends of the interval are not numbers.
+    Of a single seed the ends of the interval are not numbers. The bounds are those of `mean_over_runs`.
     """
     values: dict[tuple[str, str], list[float]] = {}
     for record in records:
         values.setdefault((record.task, record.reservoir), []).append(record.score)
     return {
-        key: mean_over_runs(scores) if len(scores) > 1 else Estimate(scores[0], math.nan, math.nan, 1)
+        key: mean_over_runs(scores, bounds=bounds) if len(scores) > 1 else Estimate(scores[0], math.nan, math.nan, 1)
         for key, scores in values.items()
     }
 
@@ -57,9 +57,12 @@ def differences(records: Iterable[Record], reference: str) -> dict[tuple[str, st
     known_names("against", [reference], dict.fromkeys(record.reservoir for record in records))
     base = {(record.task, record.seed): record.score for record in records if record.reservoir == reference}
     return estimates(
-        record._replace(score=record.score - base[record.task, record.seed])
-        for record in records
-        if record.reservoir != reference
+        (
+            record._replace(score=record.score - base[record.task, record.seed])
+            for record in records
+            if record.reservoir != reference
+        ),
+        bounds=(-math.inf, math.inf),
     )
 
 

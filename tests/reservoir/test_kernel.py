@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stickslip.reservoir import delay_line, EchoStateNetwork, kernel_quality, ranks
+from stickslip.reservoir import delay_line, EchoStateNetwork, kernel_quality, ranks, state_rank
 
 
 @pytest.mark.parametrize(("taps", "shared"), [(8, 0), (8, 3), (8, 8), (5, 20)])
@@ -57,6 +57,38 @@ def test_a_chaotic_network_generalises_worse_than_one_that_forgets():
     )
     assert calm.difference > wild.difference
     assert wild.generalisation_rank > calm.generalisation_rank
+
+
+def test_the_generalisation_rank_is_a_mean_over_endings():
+    rng = np.random.default_rng(0)
+    different, one, other = rng.normal(size=(3, 40, 4))
+    other[:, 1:] = 0
+    assert ranks(different, one).generalisation_rank == 4
+    assert ranks(different, [one, other, other]).generalisation_rank == 2
+    assert ranks(different, [one, other]).generalisation_singular_values.shape == (2, 4)
+    single, many = (
+        [
+            kernel_quality(
+                EchoStateNetwork(12, input_scaling=0.3).states, inputs=26, length=60, endings=endings, seed=seed
+            ).generalisation_rank
+            for seed in range(6)
+        ]
+        for endings in (1, 5)
+    )
+    assert np.std(many) < np.std(single)
+
+
+@pytest.mark.parametrize("db", [20.0, 60.0])
+def test_directions_below_the_noise_of_the_sensors_do_not_count(db):
+    """Two readings that differ by a known share of their common signal."""
+    rng = np.random.default_rng(0)
+    common, small = rng.normal(size=(2, 2000))
+    noise = 10 ** (-db / 20)
+    for share, rank in ((0.5 * noise, 1), (2 * noise, 2)):
+        states = 7 * np.column_stack([common + share * small, common - share * small]) - 3
+        assert state_rank(states, noise=db) == ranks(states, states, noise=db).kernel_rank == rank
+    assert state_rank(states) == 2
+    assert ranks(states, states, noise=db).threshold == pytest.approx(noise / np.sqrt(2), rel=0.05)
 
 
 def test_states_that_never_move_have_no_rank():
