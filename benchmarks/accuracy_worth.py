@@ -61,7 +61,7 @@ def main() -> None:
 
 def measure(only: str | None) -> tuple[dict[str, Any], list[str]]:
     """All results after measuring, each of them kept on disk as it came, and the experiments that lack some."""
-    kept = json.loads(RESULTS.read_text())["results"] if RESULTS.exists() else {}
+    kept = json.loads(RESULTS.read_text(encoding="utf-8"))["results"] if RESULTS.exists() else {}
     if only is not None:
         kept = {key: value for key, value in kept.items() if not key.startswith(f"{only}/")}
     missing = []

@@ -167,7 +167,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Slips, error and cost at the edges of the ranges.")
     parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"turns of every row (default {ROUNDS})")
     rounds = parser.parse_args().rounds
-    rows = json.loads(REFERENCES.read_text())
+    rows = json.loads(REFERENCES.read_text(encoding="utf-8"))
     results = {
         "tolerance": TOLERANCE,
         "rounds": rounds,

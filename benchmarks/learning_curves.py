@@ -63,7 +63,7 @@ def curve(algorithm: str, seed: int, way: str) -> dict[str, Any]:
     start = time.process_time()
     with TemporaryDirectory(prefix="learning_curves_") as folder:
         run = train(configuration, Path(folder), vec_env=WAYS[way])
-        table = np.loadtxt(run.folder / "evaluations.csv", delimiter=",", skiprows=1, ndmin=2)
+        table = np.loadtxt(run.folder / "evaluations.csv", delimiter=",", skiprows=1, ndmin=2, encoding="utf-8")
     return {"steps": table[:, 0].tolist(), "reward": table[:, 1].tolist(), "seconds": time.process_time() - start}
 
 
@@ -85,7 +85,7 @@ def yardsticks() -> dict[str, float]:
 
 def measure() -> dict[str, Any]:
     """All curves, each kept on disk as it came."""
-    curves = json.loads(RESULTS.read_text())["curves"] if RESULTS.exists() else {}
+    curves = json.loads(RESULTS.read_text(encoding="utf-8"))["curves"] if RESULTS.exists() else {}
     found = {"curves": curves, "yardsticks": yardsticks()}
     for algorithm, seed, way in product(ALGORITHMS, SEEDS, WAYS):
         key = f"{algorithm}/{way}/{seed}"

@@ -77,7 +77,7 @@ def machine(*libraries: str) -> dict[str, Any]:
 
 def _processor() -> str:
     try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         return platform.processor()
     return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.processor())
@@ -85,7 +85,7 @@ def _processor() -> str:
 
 def keep(path: Path, results: Mapping[str, Any]) -> None:
     """Write results as JSON, whole or not at all."""
-    atomically(path, lambda unfinished: unfinished.write_text(json.dumps(results, indent=1) + "\n"))
+    atomically(path, lambda unfinished: unfinished.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8"))
 
 
 def refreshed(page: str, made: Mapping[str, str]) -> str:
@@ -106,8 +106,8 @@ def refreshed(page: str, made: Mapping[str, str]) -> str:
 
 def refresh(page: Path, made: Mapping[str, str]) -> None:
     """Write tables into a page of the docs, between their marks."""
-    text = refreshed(page.read_text(), made)
-    atomically(page, lambda unfinished: unfinished.write_text(text))
+    text = refreshed(page.read_text(encoding="utf-8"), made)
+    atomically(page, lambda unfinished: unfinished.write_text(text, encoding="utf-8"))
 
 
 def quartiles(values: Sequence[float]) -> list[float]:

@@ -161,7 +161,7 @@ def tables(results: Mapping[str, Any]) -> dict[str, str]:
 
 def measure() -> dict[str, Any]:
     """All results, each kept on disk as it came."""
-    found: dict[str, Any] = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
+    found: dict[str, Any] = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
     works: dict[tuple[str, str], Callable[[], dict[str, Any]]] = {
         **{("learning", f"{task}/{epochs}"): partial(learning, task, epochs) for task, epochs in LEARNING},
         **{("stepping", task): partial(stepping, task) for task in TASKS},

@@ -129,7 +129,7 @@ def train(
     finally:
         if bar.live.is_started:
             bar.stop()
-    rows = (finished.folder / "evaluations.csv").read_text().splitlines()[1:]
+    rows = (finished.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()[1:]
     best = max(rows, key=lambda row: float(row.split(",")[1])).split(",")
     typer.echo(f"best policy: {float(best[1]):.4f} reward per step after {best[0]} steps, kept in {finished.best}")
 

@@ -126,7 +126,9 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         "speed policy without dither": noiseless,
         f"word {_BEST_WORD} without dither": best,
     }
-    atomically(folder / "results.json", lambda path: path.write_text(json.dumps(results, indent=2) + "\n"))
+    atomically(
+        folder / "results.json", lambda path: path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+    )
     page = _page(
         crawl=crawl,
         tasks=tasks,

@@ -57,7 +57,7 @@ def test_training_is_refused_in_one_line(capsys, tmp_path, arguments, message):
 
 
 def test_an_output_that_cannot_be_written_is_refused_in_one_line(capsys, tmp_path):
-    (tmp_path / "file").write_text("in the way")
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
     for command in (["train", "--dither", "0.1"], ["demo"]):
         line = refuse(capsys, *command, "--output", str(tmp_path / "file" / "run"))
         assert line.startswith("error: ")
@@ -265,5 +265,5 @@ def test_a_search_is_refused_in_one_line(capsys, tmp_path, arguments, message):
 
 def test_the_program_is_installed():
     program = os.path.join(os.path.dirname(sys.executable), "stickslip")
-    shown = subprocess.run([program, "--help"], capture_output=True, text=True, check=True)
+    shown = subprocess.run([program, "--help"], capture_output=True, text=True, check=True, encoding="utf-8")
     assert {"demo", "train", "evaluate", "speed", "bench", "search"} <= set(shown.stdout.split())

@@ -20,7 +20,7 @@ def test_the_demo_makes_what_its_page_shows(tmp_path, capsys):
     assert all((folder / name).stat().st_size > 1000 for name in shown)
     assert {path.name for path in folder.iterdir()} == {*shown, "index.html", "results.json", "policies"}
 
-    results = json.loads((folder / "results.json").read_text())
+    results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     assert 0 < results["memory capacity"]["crawler"] < results["memory capacity"]["delay line"]
     assert results["word 11100 without dither"] > 1.05
     assert f"{results['speed policy without dither']:.3f}" in page

@@ -128,7 +128,12 @@ def test_an_editor_completes(installed, tmp_path):
     }
     question = "from stickslip import Groups\nGroups("
     done = subprocess.run(
-        [python, "-c", JEDI], input=json.dumps([*expected, question]), capture_output=True, text=True, cwd=tmp_path
+        [python, "-c", JEDI],
+        input=json.dumps([*expected, question]),
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        encoding="utf-8",
     )
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)

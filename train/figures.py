@@ -91,7 +91,7 @@ def plot_learning(table: Path, *, ax: Axes | None = None) -> Figure:
 
     from ..crawler.plotting import house_style
 
-    steps, reward = np.loadtxt(table, delimiter=",", skiprows=1, ndmin=2).T
+    steps, reward = np.loadtxt(table, delimiter=",", skiprows=1, ndmin=2, encoding="utf-8").T
     with house_style():
         if ax is None:
             _, ax = plt.subplots(figsize=(6.5, 3.0), layout="constrained")

@@ -45,12 +45,12 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
         If the file cannot be read.
     """
     if file is None:
-        text = (resources.files(__package__) / f"{algorithm}.yml").read_text()
+        text = (resources.files(__package__) / f"{algorithm}.yml").read_text(encoding="utf-8")
         source = f"train/{algorithm}.yml"
     else:
         source = str(file)
         try:
-            text = file.read_text()
+            text = file.read_text(encoding="utf-8")
         except UnicodeDecodeError:
             raise ValueError(f"hyperparameters file {source} must be YAML, it is not text") from None
     try:

@@ -89,7 +89,9 @@ def evaluate_run(
     )
     save_figure(gait.plot(), output / "gait.png")
     save_figure(plot_learning(folder / "evaluations.csv"), output / "learning.png")
-    atomically(output / "results.json", lambda path: path.write_text(json.dumps(summary, indent=2) + "\n"))
+    atomically(
+        output / "results.json", lambda path: path.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    )
     if video:
         film(policy, output / "clip.mp4", env_kwargs=arguments, seed=seed)
     return summary

@@ -92,7 +92,9 @@ class Run:
         file = folder / "configuration.yml"
         (folder / "checkpoints").mkdir(parents=True, exist_ok=True)
         run = cls(folder, configuration)
-        atomically(file, lambda path: path.write_text(yaml.safe_dump(asdict(configuration), sort_keys=False)))
+        atomically(
+            file, lambda path: path.write_text(yaml.safe_dump(asdict(configuration), sort_keys=False), encoding="utf-8")
+        )
         return run
 
     @classmethod
@@ -108,7 +110,7 @@ class Run:
         if not file.is_file():
             raise ValueError(f"run must be a folder with a configuration.yml in it, got {folder}")
         try:
-            written = yaml.safe_load(file.read_text())
+            written = yaml.safe_load(file.read_text(encoding="utf-8"))
         except (yaml.YAMLError, UnicodeDecodeError):
             raise ValueError(f"run {folder}: configuration.yml must be YAML") from None
         known = {each.name for each in fields(Configuration)}

@@ -220,7 +220,7 @@ class _Keeper(BaseCallback):
     def __enter__(self) -> "_Keeper":
         if self._table.exists():
             # What was evaluated after the last checkpoint will be evaluated again.
-            rows = np.loadtxt(self._table, delimiter=",", skiprows=1, ndmin=2)
+            rows = np.loadtxt(self._table, delimiter=",", skiprows=1, ndmin=2, encoding="utf-8")
             rows = rows[rows[:, 0] <= self._done]
             self._rows = [(int(steps), float(reward)) for steps, reward in rows]
             if self._run.best.exists():
@@ -261,4 +261,4 @@ class _Keeper(BaseCallback):
             atomically(self._run.best, self.model.save)
         self._rows.append((self.num_timesteps, reward))
         lines = ["steps,mean_reward_per_step", *(f"{steps},{value!r}" for steps, value in self._rows)]
-        atomically(self._table, lambda path: path.write_text("\n".join(lines) + "\n"))
+        atomically(self._table, lambda path: path.write_text("\n".join(lines) + "\n", encoding="utf-8"))

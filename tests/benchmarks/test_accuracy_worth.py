@@ -66,8 +66,8 @@ def test_a_table_without_a_place_is_told():
 
 
 def test_the_page_shows_the_results_that_are_kept():
-    results = json.loads(accuracy_worth.RESULTS.read_text())["results"]
-    page = accuracy_worth.PAGE.read_text()
+    results = json.loads(accuracy_worth.RESULTS.read_text(encoding="utf-8"))["results"]
+    page = accuracy_worth.PAGE.read_text(encoding="utf-8")
     assert refreshed(page, tables(results)) == page
 
 
@@ -98,7 +98,7 @@ def experiments(monkeypatch, tmp_path):
 def test_a_stopped_run_goes_on_where_it_stopped(experiments):
     with pytest.raises(KeyboardInterrupt):
         accuracy_worth.measure(None)
-    assert set(json.loads(accuracy_worth.RESULTS.read_text())["results"]) == {"a/0", "a/1", "b/0"}
+    assert set(json.loads(accuracy_worth.RESULTS.read_text(encoding="utf-8"))["results"]) == {"a/0", "a/1", "b/0"}
     results, missing = accuracy_worth.measure(None)
     assert experiments == ["a/0", "a/1", "b/0", "b/1", "b/1"]
     assert (set(results), missing) == ({"a/0", "a/1", "b/0", "b/1"}, [])

@@ -8,17 +8,17 @@ import numpy as np
 import ppo_speed
 from measuring import refreshed
 
-PAGE = Path(learning_curves.PAGE).read_text()
+PAGE = Path(learning_curves.PAGE).read_text(encoding="utf-8")
 
 
 def test_the_tables_are_those_of_the_results():
-    curves, speed = (json.loads(each.RESULTS.read_text()) for each in (learning_curves, ppo_speed))
+    curves, speed = (json.loads(each.RESULTS.read_text(encoding="utf-8")) for each in (learning_curves, ppo_speed))
     made = {"learning": learning_curves.table(curves), **ppo_speed.tables(speed)}
     assert refreshed(PAGE, made) == PAGE
 
 
 def test_every_algorithm_learned_and_over_a_dummy_what_it_learned_over_the_batch():
-    found = json.loads(learning_curves.RESULTS.read_text())
+    found = json.loads(learning_curves.RESULTS.read_text(encoding="utf-8"))
     yardstick = max(found["yardsticks"].values())
     for algorithm in learning_curves.ALGORITHMS:
         native, dummy = (learning_curves.rewards(found, algorithm, way) for way in ("native", "DummyVecEnv"))

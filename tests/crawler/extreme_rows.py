@@ -127,4 +127,4 @@ ROWS: dict[str, Row] = {
 
 def stored() -> dict[str, dict]:
     """The stored references by the rows' names: inputs, samples, events, slips, clearance, condition."""
-    return json.loads(REFERENCES.read_text())
+    return json.loads(REFERENCES.read_text(encoding="utf-8"))

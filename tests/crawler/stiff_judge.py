@@ -516,7 +516,7 @@ def _regenerate(names):
         print(f"{name}: {slips} slips, clearance {clearance}, condition {condition}", flush=True)
         unfinished = REFERENCES.with_suffix(".tmp")
         kept = {name: references[name] for name in ROWS if name in references}
-        unfinished.write_text(json.dumps(kept, indent=1) + "\n")
+        unfinished.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
         os.replace(unfinished, REFERENCES)
 
 

@@ -28,7 +28,7 @@ def benchmark():
 
 @pytest.fixture(scope="module")
 def step_cost():
-    table = json.loads(MEASURED.read_text())["microseconds of a step by order"]
+    table = json.loads(MEASURED.read_text(encoding="utf-8"))["microseconds of a step by order"]
     return lambda name, tolerance: table[name][str(SOLVERS[name].order_for(tolerance))]
 
 

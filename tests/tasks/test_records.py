@@ -38,7 +38,7 @@ def test_what_was_being_written_when_a_process_was_killed_is_not_read(tmp_path):
     records = Records(tmp_path, SETTINGS)
     records.keep(attempt())
     [file] = tmp_path.glob("narma*")
-    (tmp_path / f".{file.stem}-123.json").write_text('{"task": "half')
+    (tmp_path / f".{file.stem}-123.json").write_text('{"task": "half', encoding="utf-8")
     assert list(records.load()) == [("NARMA-2 NRMSE", "crawler", 0)]
 
 
@@ -59,7 +59,7 @@ def test_names_may_be_added_but_not_changed(tmp_path):
 
     records(tasks={"a": {"probe": 1.0}}, reservoirs={"r": 1})
     records(tasks={"b": {"probe": 2.0}}, reservoirs={"r": 1, "s": 2})
-    assert json.loads((tmp_path / "run" / "finished" / "settings.json").read_text()) == {
+    assert json.loads((tmp_path / "run" / "finished" / "settings.json").read_text(encoding="utf-8")) == {
         **SETTINGS, "tasks": {"a": {"probe": 1.0}, "b": {"probe": 2.0}}, "reservoirs": {"r": 1, "s": 2}
     }  # fmt: skip
     with pytest.raises(ValueError, match=r"tasks\.a\.probe must be 1\.0 to go on with the run in .*run, got 1\.5"):
@@ -73,7 +73,7 @@ def test_names_may_be_added_but_not_changed(tmp_path):
 def test_a_record_is_plain_json(tmp_path):
     Records(tmp_path, SETTINGS).keep(attempt(details={"exponent": None}))
     [file] = tmp_path.glob("narma*")
-    assert json.loads(file.read_text()) == {
+    assert json.loads(file.read_text(encoding="utf-8")) == {
         "task": "NARMA-2 NRMSE",
         "reservoir": "crawler",
         "seed": 0,

@@ -105,7 +105,7 @@ def test_a_search_broken_off_and_resumed_is_the_same(tmp_path, monkeypatch):
     assert task.asked.count(50) == 1 + 3  # of 14 points 11 were kept, and the first is scored again
     shorter = search(Bowl(), PLANE, file=file, **{**SHORT, "evaluations": 9})
     assert len(shorter.evaluations) == 9
-    assert len(json.loads(file.read_text())["evaluations"]) == 14
+    assert len(json.loads(file.read_text(encoding="utf-8"))["evaluations"]) == 14
 
 
 def test_no_seed_but_those_of_validation_is_ever_asked_for():
@@ -236,7 +236,7 @@ def test_a_file_of_another_search_is_refused(tmp_path):
     with pytest.raises(ValueError, match=r"space\.kind must be \"Choice\(values='ab'\)\" to go on"):
         search(Bowl(), PLANE.where(kind="a"), file=file, **SHORT)
     for text in ("", "[]", "{}", '{"settings": {}, "evaluations": [{"wheels": 4}]}'):
-        file.write_text(text)
+        file.write_text(text, encoding="utf-8")
         with pytest.raises(ValueError, match="file must be one that a search has written, got"):
             search(Bowl(), PLANE, file=file, **SHORT)
 

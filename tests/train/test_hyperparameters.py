@@ -70,6 +70,6 @@ def test_what_cannot_be_understood_is_refused(entry, message):
 )
 def test_files_that_do_not_say_what_is_needed_are_refused(tmp_path, text, message):
     file = tmp_path / "ppo.yml"
-    file.write_text(text)
+    file.write_text(text, encoding="utf-8")
     with pytest.raises(ValueError, match=message):
         read_hyperparameters("ppo", ID, file)

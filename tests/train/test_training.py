@@ -49,7 +49,7 @@ def test_a_run_keeps_its_configuration_checkpoints_evaluations_and_logs(short_ru
     assert Run.open(short_run.folder).configuration == short_run.configuration
     assert short_run.latest_checkpoint() == short_run.checkpoint(512)
     assert list((short_run.folder / "tensorboard").rglob("events.*"))
-    header, *rows = (short_run.folder / "evaluations.csv").read_text().splitlines()
+    header, *rows = (short_run.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()
     assert header == "steps,mean_reward_per_step"
     assert [int(row.split(",")[0]) for row in rows] == sorted(int(row.split(",")[0]) for row in rows)
     assert rows[-1].startswith("512,")
@@ -111,7 +111,7 @@ def test_an_interrupted_run_goes_on_from_its_last_checkpoint(tmp_path):
         train(whole, tmp_path / "run", on_progress=crash)
     run = Run.open(tmp_path / "run")
     kept = run.latest_checkpoint()
-    rows = (run.folder / "evaluations.csv").read_text().splitlines()
+    rows = (run.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()
     assert kept is not None
     assert not run.final.exists()
 
@@ -119,7 +119,7 @@ def test_an_interrupted_run_goes_on_from_its_last_checkpoint(tmp_path):
     train(whole, tmp_path / "run", resume=True, on_progress=done.append)
     assert done[0] > int(kept.name.split("_")[0])
     assert load_policy(run, run.final).num_timesteps == 512
-    assert (run.folder / "evaluations.csv").read_text().splitlines()[: len(rows)] == rows
+    assert (run.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()[: len(rows)] == rows
 
 
 SMALL = {
@@ -220,7 +220,7 @@ def test_wrong_arguments_are_found_before_the_folder_is_made(tmp_path):
 def test_checkpoints_that_are_none_are_refused(short_run, tmp_path):
     with pytest.raises(ValueError, match="checkpoint must be a file"):
         load_policy(short_run, tmp_path / "none.zip")
-    (tmp_path / "text.zip").write_text("no zip")
+    (tmp_path / "text.zip").write_text("no zip", encoding="utf-8")
     with pytest.raises(ValueError, match="is not one of ppo"):
         load_policy(short_run, tmp_path / "text.zip")
 
@@ -251,13 +251,13 @@ def test_a_best_policy_lost_in_a_crash_is_made_again(tmp_path):
         table.write("400,9.0\n")
     finished = train(whole, again, resume=True)
     assert finished.best.exists()
-    steps = [int(row.split(",")[0]) for row in (again / "evaluations.csv").read_text().splitlines()[1:]]
+    steps = [int(row.split(",")[0]) for row in (again / "evaluations.csv").read_text(encoding="utf-8").splitlines()[1:]]
     assert 400 not in steps
     assert len(steps) == len(set(steps))
 
 
 def test_what_is_left_of_a_run_is_not_mixed_into_another(short_run, tmp_path):
-    (tmp_path / "evaluations.csv").write_text("steps,mean_reward_per_step\n")
+    (tmp_path / "evaluations.csv").write_text("steps,mean_reward_per_step\n", encoding="utf-8")
     with pytest.raises(ValueError, match="holds a run already"):
         Run.create(tmp_path, short_run.configuration)
 
@@ -271,7 +271,7 @@ def test_a_body_that_diverges_leaves_no_run_behind(tmp_path):
 
 @pytest.mark.parametrize("text", ["a: [1", "- 1", "\x00"])
 def test_a_corrupted_configuration_is_refused(tmp_path, text):
-    (tmp_path / "configuration.yml").write_text(text)
+    (tmp_path / "configuration.yml").write_text(text, encoding="utf-8")
     with pytest.raises(ValueError, match=r"configuration\.yml must"):
         Run.open(tmp_path)
 

@@ -217,7 +217,7 @@ def test_the_monitor_counts_returns_and_lengths(tmp_path):
                 episodes.append(info["episode"])
             total[:] = 0.0
     env.close()
-    header, columns, *rows = (tmp_path / "log.monitor.csv").read_text().splitlines()
+    header, columns, *rows = (tmp_path / "log.monitor.csv").read_text(encoding="utf-8").splitlines()
     assert json.loads(header[1:])["env_id"] == NAME
     assert columns == "r,l,t,distance"
     assert len(rows) == len(episodes) == 4
@@ -391,7 +391,10 @@ def test_a_step_that_was_begun_is_dropped_by_a_reset():
 
 def test_importing_the_package_does_not_import_torch():
     code = "import sys, stickslip, stickslip.train, stickslip.train.schedules; print('torch' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "False\n"
+    assert (
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, encoding="utf-8").stdout
+        == "False\n"
+    )
 
 
 def test_groups_of_an_episode_that_has_not_begun_are_no_attribute():
