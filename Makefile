@@ -6,6 +6,8 @@ SOURCES := crawler reservoir tasks envs train studies stickslip
 KERNELS := $(wildcard crawler/*.py reservoir/*.py envs/*.py)
 # Two cores: BLAS and torch must not fight the processes beside them.
 export OMP_NUM_THREADS ?= 1
+# Text read or written in whatever encoding the locale has is an error in the tests.
+export PYTHONWARNDEFAULTENCODING ?= 1
 
 .PHONY: demo test lint types layers package slow bench clean
 

@@ -129,6 +129,7 @@ class Bench:
             raise ValueError(f"--reservoirs must be left out where --sweep is given, got {reservoirs!r}")
         else:
             name, values = parse_sweep(sweep)
+            _refuse_given_twice(name, body or {})
             self._swept = name, list(values)
             crawler = cast(BodyReservoir, known["crawler"])
             self._reservoirs = {f"{name} = {value:.12g}": with_value(crawler, name, value) for value in values}
@@ -137,6 +138,7 @@ class Bench:
             "length": length,
             "washout": washout,
             "sweep": None if self._swept is None else self._swept[0],
+            "hold": cast(BodyReservoir, known["crawler"]).hold,
             **(body or {}),
         }
         self.against = next(iter(self._reservoirs)) if against is None else against
@@ -238,6 +240,14 @@ class Bench:
         ):
             if wanted:
                 yield name, plot(wanted)
+
+
+def _refuse_given_twice(swept: str, body: Mapping[str, Any]) -> None:
+    """Refuse a number that is given as well as swept."""
+    groups = body.get("groups")
+    given = {**(groups if isinstance(groups, Mapping) else {}), **body}
+    if swept in given:
+        raise ValueError(f"{swept} must be left out where --sweep sets it, got {given[swept]!r}")
 
 
 def _finish(unit: _Unit) -> int:

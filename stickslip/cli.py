@@ -1,4 +1,4 @@
-"""The command line: ``stickslip`` with ``demo``, ``train``, ``evaluate``, ``speed``, ``bench`` or ``search``."""
+"""The command line: ``stickslip`` and its commands."""
 
 import sys
 

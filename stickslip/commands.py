@@ -7,8 +7,10 @@ import sys
 from pathlib import Path
 from typing import Annotated, Any, TYPE_CHECKING
 
+from . import __version__
 from .extras import optional_import
-from .validation import number_within, whole_number
+from .terminal import say_what_can_be_said
+from .validation import known_names, number_within, whole_number
 
 with optional_import():
     import typer
@@ -54,6 +56,7 @@ def run(arguments: list[str] | None = None) -> int:
         Exit status: 0 done, 1 refused or failed, 2 not understood. What fails is told in one line; with
         ``STICKSLIP_DEBUG=1`` in the environment it is raised instead.
     """
+    say_what_can_be_said()
     try:
         app(arguments)
     except SystemExit as end:
@@ -64,6 +67,30 @@ def run(arguments: list[str] | None = None) -> int:
         print("error:", " ".join(str(error).split()) or type(error).__name__, file=sys.stderr)
         return 1
     return 0
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"stickslip {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_print_version, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Options of the program itself."""
+
+
+@app.command("list")
+def list_names() -> None:
+    """List the tasks, measures, reservoirs, presets, algorithms and more that are known by name."""
+    from .listing import known_by_name
+
+    for kind, names in known_by_name().items():
+        typer.echo("\n  ".join([kind, *names]))
 
 
 @app.command()
@@ -99,7 +126,7 @@ def train(
 ) -> None:
     """Train a policy, with evaluations, checkpoints and TensorBoard logs in the output folder."""
     from .train.hyperparameters import read_hyperparameters
-    from .train.run import Configuration
+    from .train.run import Configuration, ENV_ARGUMENTS
     from .train.training import train as train_policy
 
     arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold}
@@ -109,6 +136,7 @@ def train(
     for name in (*arguments, "groups", "render_mode"):
         if name in further:
             raise ValueError(f"--env-kwargs must not set {name}: it has an option of its own, or is not for training")
+    known_names("--env-kwargs", further, [name for name in ENV_ARGUMENTS if name not in (*arguments, "groups")])
     arguments |= further
     # The algorithm is checked before a file of its name is looked for.
     configuration = Configuration(algorithm=algorithm, environment=_ENVIRONMENT, env_kwargs=arguments, seed=seed)
@@ -211,7 +239,9 @@ def bench(
     features: Annotated[int, typer.Option(help="Of every reservoir, a multiple of 3.")] = 12,
     length: Annotated[int, typer.Option(help="Samples of a repetition.")] = 4000,
     washout: Annotated[int, typer.Option(help="Samples at its start that are not scored.")] = 200,
-    hold: Annotated[float, typer.Option(help="Length of a hold, natural time.")] = 0.5,
+    hold: Annotated[
+        float | None, typer.Option(help="Length of a hold, natural time; 0.5 where it is not swept.")
+    ] = None,
     groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
     scene: Annotated[str, typer.Option(help="JSON such as '{\"ratchet\": false}'.")] = "{}",
     against: Annotated[
@@ -225,11 +255,12 @@ def bench(
     from .bench import Bench
 
     whole_number("--processes", processes, 1)
-    body = {
+    body: dict[str, Any] = {
         "groups": None if groups is None else _groups(groups),
         "scene": _json_object("--scene", scene),
-        "hold": hold,
     }
+    if hold is not None:
+        body["hold"] = hold
     benchmark = Bench(
         output,
         tasks=tasks,
@@ -382,9 +413,18 @@ def _progress_bar() -> Progress:
 
 def _json_object(option: str, text: str) -> dict[str, Any]:
     try:
-        value = json.loads(text)
+        value = json.loads(text, object_pairs_hook=lambda pairs: _distinct(option, pairs))
     except json.JSONDecodeError as error:
         raise ValueError(f"{option} must be a JSON object, got {text!r}: {error}") from None
     if not isinstance(value, dict):
         raise ValueError(f"{option} must be a JSON object, got {text!r}")
     return value
+
+
+def _distinct(option: str, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object's names and values, of which JSON would keep the last of a name silently."""
+    names = [name for name, _ in pairs]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"{option} must name {name!r} once, got it {names.count(name)} times")
+    return dict(pairs)

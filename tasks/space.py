@@ -96,9 +96,17 @@ class Space:
         Raises
         ------
         ValueError
-            If a dimension is unknown.
+            If a dimension is unknown, or a value is none that its choice or any range could give.
+        TypeError
+            If a range is fixed at what is no number.
         """
         known_names("space", fixed, tuple(self.dimensions))
+        for name, value in fixed.items():
+            dimension = self.dimensions[name]
+            if isinstance(dimension, Range):
+                number_within(name, value, "(-inf, inf)")
+            else:
+                known_names(name, [value], dimension.values)
         return Space({**self.dimensions, **{name: Choice([value]) for name, value in fixed.items()}}, self.build)
 
 

@@ -4,12 +4,16 @@ import json
 import os
 import subprocess
 import sys
+from importlib.metadata import version
 
 import numpy as np
 import pytest
 
 from stickslip.commands import run
-from stickslip.tasks import known_reservoirs, run_benchmark, SeriesTask
+from stickslip.crawler import PRESETS, simulate
+from stickslip.tasks import known_reservoirs, MEASURES, RESERVOIRS, run_benchmark, SeriesTask, TASKS
+from stickslip.tasks.sweep import parse_sweep
+from stickslip.train.run import Configuration
 
 
 def refuse(capsys, *arguments):
@@ -33,7 +37,11 @@ def refuse(capsys, *arguments):
         (["--groups", '{"duffing": -1}'], "error: duffing must be in [0, inf), got -1"),
         (["--groups", '{"duffing": '], "error: --groups must be a JSON object, got '{\"duffing\": '"),
         (["--env-kwargs", "[1]"], "error: --env-kwargs must be a JSON object, got '[1]'"),
-        (["--env-kwargs", '{"wheels": 4}'], "error: "),
+        (["--env-kwargs", '{"wheels": 4}'], "error: --env-kwargs has no 'wheels'; allowed are ['scene', 'tolerance', "),
+        (["--env-kwargs", '{"max_episode_steps": 4}'], "error: --env-kwargs has no 'max_episode_steps'; allowed are"),
+        (["--env-kwargs", '{"scene": {"wheels": 4}}'], "error: scene has no 'wheels'; allowed are"),
+        (["--env-kwargs", '{"delays": 2, "delays": 3}'], "error: --env-kwargs must name 'delays' once, got it 2 times"),
+        (["--groups", '{"duffing": 1, "duffing": 2}'], "error: --groups must name 'duffing' once, got it 2 times"),
         (["--env-kwargs", '{"dither": 0.2}'], "error: --env-kwargs must not set dither"),
         (["--env-kwargs", '{"render_mode": "human"}'], "error: --env-kwargs must not set render_mode"),
         (
@@ -54,6 +62,34 @@ def test_training_is_refused_in_one_line(capsys, tmp_path, arguments, message):
     line = refuse(capsys, "train", "--output", str(tmp_path / "run"), *arguments)
     assert line.startswith(message)
     assert not (tmp_path / "run").exists()
+
+
+def test_the_version_is_told(capsys):
+    assert run(["--version"]) == 0
+    assert capsys.readouterr().out == f"stickslip {version('stickslip')}\n"
+
+
+def test_all_that_is_known_by_name_is_listed(capsys):
+    assert run(["list"]) == 0
+    listed, kind = {}, ""
+    for line in capsys.readouterr().out.splitlines():
+        if line.startswith("  "):
+            listed[kind].append(line.strip())
+        else:
+            kind = line
+            listed[kind] = []
+    assert listed["tasks"] == list(TASKS)
+    assert listed["measures"] == list(MEASURES)
+    assert listed["reservoirs"] == list(RESERVOIRS)
+    assert listed["presets"] == list(PRESETS)
+    assert "recurrent_ppo" in listed["algorithms"]
+    # What is listed is taken where it is asked for.
+    for name in listed["algorithms"]:
+        Configuration(algorithm=name)
+    for name in listed["sweeps"]:
+        assert parse_sweep(f"{name}=0.1,0.2")[0] == name
+    for name in listed["solvers"]:
+        simulate("linear", [1], 1.0, solver=name)
 
 
 def test_an_output_that_cannot_be_written_is_refused_in_one_line(capsys, tmp_path):
@@ -151,6 +187,13 @@ def test_speed_and_accuracy_are_measured_and_a_choice_recommended(capsys, tmp_pa
         (["--sweep", "wheels=1,2"], "error: sweep has no 'wheels'; allowed are ['hold', 'amplitude', "),
         (["--sweep", "hold=-1,2"], "error: hold must be in "),
         (["--sweep", "hold=1,2", "--reservoirs", "crawler"], "error: --reservoirs must be left out where --sweep is"),
+        (["--sweep", "hold=1,2", "--hold", "1"], "error: hold must be left out where --sweep sets it, got 1.0"),
+        (["--sweep", "hold=1,2", "--hold", "0.5"], "error: hold must be left out where --sweep sets it, got 0.5"),
+        (
+            ["--sweep", "duffing=1,2", "--groups", '{"duffing": 3}'],
+            "error: duffing must be left out where --sweep sets it, got 3",
+        ),
+        (["--scene", '{"slope": 0, "slope": 1}'], "error: --scene must name 'slope' once, got it 2 times"),
         (["--reservoirs", "crawler", "--against", "delay line"], "error: --against has no 'delay line'"),
     ],
 )
@@ -251,6 +294,10 @@ def test_a_search_finds_tests_and_goes_on(capsys, tmp_path):
         (["--reservoir", "octopus"], "error: --reservoir has no 'octopus'"),
         (["--features", "2"], "error: features must be a whole number >= 3, got 2"),
         (["--fixed", '{"wheels": 4}'], "error: space has no 'wheels'"),
+        (["--fixed", '{"ground": "sea"}'], "error: ground has no 'sea'; allowed are ['anchored', 'ratchet', 'free']"),
+        (["--fixed", '{"segments": "x"}'], "error: segments has no 'x'; allowed are [1, 2, "),
+        (["--fixed", '{"slope": "x"}'], "error: slope must be a number in (-inf, inf), got 'x'"),
+        (["--fixed", '{"slope": 0, "slope": 1}'], "error: --fixed must name 'slope' once, got it 2 times"),
         (["--fixed", "4"], "error: --fixed must be a JSON object, got '4'"),
         (["--tests", "1"], "error: --tests must be a whole number >= 2, got 1"),
         (["--evaluations", "0"], "error: evaluations must be a whole number >= 1, got 0"),

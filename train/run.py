@@ -3,12 +3,14 @@
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
+from ..envs.settings import Settings
 from ..extras import optional_import
 from ..files import atomically
-from ..validation import whole_number
+from ..validation import known_names, whole_number
 
 with optional_import():
     import yaml
@@ -16,6 +18,7 @@ with optional_import():
 __all__ = ["Configuration", "Run"]
 
 _CHECKPOINT = re.compile(r"(\d+)_steps\.zip")
+ENV_ARGUMENTS = tuple(signature(Settings.of).parameters)
 ALGORITHMS = ("ppo", "a2c", "dqn", "qrdqn", "recurrent_ppo")
 ENVIRONMENTS = ("StickSlipCrawler-v0",)
 _LARGEST_SEED = 2**32 - 1
@@ -57,6 +60,7 @@ class Configuration:
         for name in ("env_kwargs", "hyperparameters"):
             if not isinstance(getattr(self, name), Mapping):
                 raise TypeError(f"{name} must be a mapping, got {getattr(self, name)!r}")
+        known_names("env_kwargs", self.env_kwargs, ENV_ARGUMENTS)
 
 
 class Run:
