@@ -1,5 +1,6 @@
 """Echo-state networks: the standard reservoirs to compare with."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,6 +118,28 @@ class EchoStateNetwork:
         states = np.empty_like(drive)
         _follow(np.ascontiguousarray(recurrent.T), drive, self.leak, states)
         return states
+
+    def stepper(self, signal: ArrayLike) -> Callable[[float], _Array]:
+        """Drive the network from rest, and step it on from there.
+
+        Parameters
+        ----------
+        signal : array_like of shape (samples,)
+
+        Returns
+        -------
+        callable
+            Takes the next number of the signal and gives the state (nodes,) that has absorbed it.
+        """
+        recurrent, inward, bias = self._weights()
+        state = self.states(signal)[-1]
+
+        def step(value: float) -> _Array:
+            nonlocal state
+            state = (1 - self.leak) * state + self.leak * np.tanh(recurrent @ state + (value * inward + bias))
+            return state
+
+        return step
 
     def _weights(self) -> tuple[_Array, _Array, _Array]:
         # A stream of its own: the input is often drawn with the same seed, and must not share its draws.

@@ -3,6 +3,7 @@
 from .benchmark import run_benchmark, Score, STANDARD_RESERVOIRS, STANDARD_TASKS, summarize, Summary, table
 from .catalogue import TASKS
 from .chaos import lorenz, mackey_glass
+from .closed_loop import ClosedLoopTask, stepper
 from .encodings import encode, ENCODINGS, pulse_width, sigma_delta, threshold
 from .figures import plot_memory_profile
 from .friction import FrictionTask
@@ -37,6 +38,7 @@ __all__ = [
     "TASKS",
     "BodyReservoir",
     "Choice",
+    "ClosedLoopTask",
     "DelayLine",
     "EchoState",
     "Evaluation",
@@ -73,6 +75,7 @@ __all__ = [
     "run_benchmark",
     "search",
     "sigma_delta",
+    "stepper",
     "summarize",
     "table",
     "threshold",

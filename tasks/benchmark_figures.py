@@ -22,6 +22,7 @@ _UNITS = {
     "capacity": "capacity (functions of the input)",
     "NRMSE": "NRMSE (of the target's standard deviation)",
     "accuracy": "accuracy (share of samples)",
+    "valid time": "valid prediction time (Lyapunov times)",
     "rank": "rank (dimensions)",
     "index": "echo index (trajectories)",
 }

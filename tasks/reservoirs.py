@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..crawler import Groups, GroupsLike, Scene, simulate, Trajectory
+from ..crawler import ChainState, Groups, GroupsLike, Scene, simulate, State, Trajectory
 from ..crawler.simulation import HOLDS, TOLERANCES
 from ..crawler.tube import is_chain
 from ..reservoir import delay_line, EchoStateNetwork
@@ -25,6 +25,7 @@ __all__ = [
     "DelayLine",
     "EchoState",
     "Reservoir",
+    "Step",
     "body_states",
     "crawler_states",
     "known_reservoirs",
@@ -34,8 +35,12 @@ Reservoir = Callable[[NDArray[Any], int], NDArray[np.float64]]
 """Takes a series (length,) in [0, 1] and a seed for what in it is random; gives states (length, features).
 
 One that has `candidates`, a sequence of reservoirs, is tuned by the benchmark, on training data alone. One that has
-`on_grounds`, as :class:`BodyReservoir` has, can tell the ground it crawls on.
+`on_grounds`, as :class:`BodyReservoir` has, can tell the ground it crawls on. One that has `stepper`, a function of a
+series and a seed that gives a :data:`Step`, is stepped on from the end of that series and not driven anew.
 """
+
+Step = Callable[[float], NDArray[np.float64]]
+"""Takes the next sample of a series, in [0, 1], and gives the states (features,) that have absorbed it."""
 
 READINGS = ("deformation", "velocity", "pressure")
 """What is read of a body by default; of a chain the first two of every segment."""
@@ -134,6 +139,34 @@ class BodyReservoir:
         """
         return self._read(self._driven(self.groups, series))
 
+    def stepper(self, series: ArrayLike, seed: int = 0) -> Step:
+        """Drive the body from rest by a series, and step it on from there.
+
+        Parameters
+        ----------
+        series, seed
+            As in a call.
+
+        Returns
+        -------
+        callable
+            A :data:`Step`: the rows that a longer series would have.
+        """
+        values = list(unit_series("series", series))
+        state = self._driven(self.groups, series).final_state
+
+        def step(value: float) -> NDArray[np.float64]:
+            nonlocal state
+            values.append(value)
+            # What an encoding owes from earlier samples is in the whole schedule alone.
+            valve = encode(values, self.encoding, self.holds_per_sample)[-self.holds_per_sample :]
+            motion = self._moved(self.groups, valve, state)
+            state = motion.final_state
+            states: NDArray[np.float64] = self._read(motion)[-1]
+            return states
+
+        return step
+
     def on_grounds(self, series: ArrayLike, grounds: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
         """Drive the body by the same series on grounds of other friction, each from rest.
 
@@ -156,10 +189,20 @@ class BodyReservoir:
         return self._read(self._driven(crawlers, series))
 
     def _driven(self, groups: Groups | list[Groups], series: ArrayLike) -> Trajectory:
-        valve = encode(series, self.encoding, self.holds_per_sample)
+        return self._moved(groups, encode(series, self.encoding, self.holds_per_sample), None)
+
+    def _moved(
+        self, groups: Groups | list[Groups], valve: NDArray[Any], initial: State | ChainState | None
+    ) -> Trajectory:
         often = self.virtual_nodes // np.gcd(self.virtual_nodes, self.holds_per_sample)
         return simulate(
-            groups, valve, self.hold, scene=self.scene, tolerance=self.tolerance, samples_per_hold=int(often)
+            groups,
+            valve,
+            self.hold,
+            scene=self.scene,
+            tolerance=self.tolerance,
+            samples_per_hold=int(often),
+            initial=initial,
         )
 
     def _read(self, motion: Trajectory) -> NDArray[np.float64]:
@@ -208,9 +251,20 @@ class DelayLine:
         """States (samples, features) under `series` (samples,); nothing in it is random."""
         return delay_line(series, self.features)
 
+    def stepper(self, series: ArrayLike, seed: int = 0) -> Step:
+        """Go on from the end of a series."""
+        taps = self(series, seed)[-1]
 
-_RADII = (0.5, 0.7, 0.8, 0.9, 0.99)
-_SCALINGS = (0.01, 0.03, 0.1, 0.3, 1.0)
+        def step(value: float) -> NDArray[np.float64]:
+            nonlocal taps
+            taps = np.concatenate([[value], taps[:-1]])
+            return taps
+
+        return step
+
+
+_RADII = (0.5, 0.7, 0.9, 0.99)
+_SCALINGS = (0.01, 0.05, 0.2, 1.0)
 
 
 @dataclass(frozen=True)
@@ -259,8 +313,15 @@ class EchoState:
 
     def __call__(self, series: ArrayLike, seed: int) -> NDArray[np.float64]:
         """States (samples, features) under `series` (samples,); the seed fixes the weights."""
-        drive = finite_array("series", series, 1)
-        return self._network(seed).states(2 * drive - 1 if self.centred else drive)
+        return self._network(seed).states(self._heard(finite_array("series", series, 1)))
+
+    def stepper(self, series: ArrayLike, seed: int) -> Step:
+        """Go on from the end of a series."""
+        step = self._network(seed).stepper(self._heard(finite_array("series", series, 1)))
+        return lambda value: step(self._heard(value))
+
+    def _heard(self, series: Any) -> Any:
+        return 2 * series - 1 if self.centred else series
 
     def _network(self, seed: int) -> EchoStateNetwork:
         return EchoStateNetwork(
