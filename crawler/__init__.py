@@ -1,6 +1,7 @@
 """Physics of the crawler: parameters, equations, solver, events and energy."""
 
 from .actuator import Actuator, Scales
+from .balance import EnergyWarning
 from .body import ChainState, REST, State
 from .groups import Groups, GroupsLike, PRESETS
 from .scene import Scene
@@ -13,6 +14,7 @@ __all__ = [
     "REST",
     "Actuator",
     "ChainState",
+    "EnergyWarning",
     "Groups",
     "GroupsLike",
     "Scales",

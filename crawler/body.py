@@ -7,7 +7,19 @@ from numpy.typing import ArrayLike
 from .groups import Groups
 from .scene import Scene
 
-__all__ = ["BACKWARD", "FORWARD", "REST", "STUCK", "Body", "ChainState", "Ledger", "Physics", "State", "physics"]
+__all__ = [
+    "BACKWARD",
+    "FORWARD",
+    "NOTHING_YET",
+    "REST",
+    "STUCK",
+    "Body",
+    "ChainState",
+    "Ledger",
+    "Physics",
+    "State",
+    "physics",
+]
 
 STUCK, FORWARD, BACKWARD = 0, 1, -1
 
@@ -53,6 +65,10 @@ class Ledger(NamedTuple):
     work: float  # done by the pressure
     viscous: float  # lost in the elastomer
     friction: float  # lost under the foot
+    flow: float  # all of these and what a slope gives and takes, each step's by its size
+
+
+NOTHING_YET = Ledger(0.0, 0.0, 0.0, 0.0)
 
 
 class Physics(NamedTuple):

@@ -5,6 +5,7 @@ import numpy as np
 from ..compilation import compiled
 from .body import Body, Ledger, Physics
 from .chain import ChainSeries, stretches_at
+from .energy import posted
 from .polynomial import horner, LARGEST_DEGREE
 from .workspace import P
 
@@ -37,8 +38,6 @@ def account_chain(
             v = series.ahead[1, j]
             work += _WEIGHTS[nodes, i] * p * (1.0 + physics.radial_coupling * z) * v
             viscous += _WEIGHTS[nodes, i] * v * v
-    return Ledger(
-        ledger.work + length * work / segments,
-        ledger.viscous + length * physics.damping * viscous / segments,
-        ledger.friction + physics.kinetic_friction * abs(after.foot - before.foot),
-    )
+    work *= length / segments
+    viscous *= length * physics.damping / segments
+    return posted(ledger, before, after, physics, work, viscous)

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..validation import finite_array
+from .balance import Store, store_between
 from .body import Body, ChainState
 from .chain import chain_of, chain_order, series_for
 from .chain_advance import drive_chain
@@ -48,7 +49,7 @@ def run_chain(
     control: Control,
     samples: NDArray[np.float64],
     segment_samples: NDArray[np.float64],
-) -> tuple[Outcome, int, NDArray[np.float64], float]:
+) -> tuple[Outcome, int, NDArray[np.float64], Store]:
     """Advance one chain through its schedule; the arrays are those of `drive_chain`, and `stretches` are left alone.
 
     Returns
@@ -58,8 +59,7 @@ def run_chain(
         Holds completed.
     events : (events, 2) array
         Times and new motions.
-    stored : float
-        Growth of the stored energy.
+    stored : Store
     """
     chain, series = chain_of(groups, scene), series_for(scene.segments)
     # Compiled once: a chain is expanded in loops, whatever the method.
@@ -71,15 +71,15 @@ def run_chain(
             body, moved, chain, schedule, hold, control, samples, segment_samples, events, series
         )
         if outcome.status != LOG_FULL:
-            stored = _stored(outcome.body, moved, groups, scene) - _stored(body, stretches, groups, scene)
-            return outcome, finished, events[: outcome.logged], stored
+            before, after = _stored(body, stretches, groups, scene), _stored(outcome.body, moved, groups, scene)
+            return outcome, finished, events[: outcome.logged], store_between(before, after)
         capacity *= 2
 
 
-def _stored(body: Body, stretches: NDArray[np.float64], groups: Groups, scene: Scene) -> float:
-    """Kinetic, elastic and potential energy, in units of P_max A_0 z_c."""
+def _stored(body: Body, stretches: NDArray[np.float64], groups: Groups, scene: Scene) -> tuple[float, float]:
+    """Kinetic and elastic energy, and potential energy, in units of P_max A_0 z_c."""
     masses = node_masses(groups, scene)
     places, rates = np.cumsum(np.vstack([[body.foot, body.foot_velocity], stretches.T / scene.segments]), axis=0).T
     kinetic = 0.5 * masses @ rates**2
     elastic = np.mean(0.5 * stretches[0] ** 2 + 0.25 * groups.duffing * stretches[0] ** 4)
-    return float(kinetic + elastic + scene.slope * (masses @ places))
+    return float(kinetic + elastic), float(scene.slope * (masses @ places))

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from .balance import Store, store_between
 from .body import Body, physics
 from .control import Control, LOG_FULL, Outcome
 from .driving import drive
@@ -23,7 +24,7 @@ def run_crawler(
     control: Control,
     samples: NDArray[np.float64],
     solver: Solver,
-) -> tuple[Outcome, int, NDArray[np.float64], float]:
+) -> tuple[Outcome, int, NDArray[np.float64], Store]:
     """Advance any tube that is one body through its schedule, in its own unit of time.
 
     Returns
@@ -33,8 +34,7 @@ def run_crawler(
         Holds completed.
     events : (events, 2) array
         Times and new motions.
-    stored : float
-        Growth of the stored energy.
+    stored : Store
     """
     groups, scene, unit = as_crawler(groups, scene)
     start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
@@ -47,7 +47,7 @@ def run_crawler(
         if outcome.status != LOG_FULL:
             break
         capacity *= 2
-    stored = _stored(outcome.body, groups, scene) - _stored(start, groups, scene)
+    stored = store_between(_stored(start, groups, scene), _stored(outcome.body, groups, scene))
     events = events[: outcome.logged]
     if unit != 1.0:
         samples[[1, 4]] /= unit
@@ -56,10 +56,10 @@ def run_crawler(
     return outcome, finished, events, stored
 
 
-def _stored(body: Body, groups: Groups, scene: Scene) -> float:
-    """Kinetic, elastic and potential energy, in units of P_max A_0 z_c."""
+def _stored(body: Body, groups: Groups, scene: Scene) -> tuple[float, float]:
+    """Kinetic and elastic energy, and potential energy, in units of P_max A_0 z_c."""
     r = groups.foot_mass_fraction
     z, foot_rate, payload_rate = body.deformation, body.foot_velocity, body.foot_velocity + body.velocity
     kinetic = 0.5 * (r * foot_rate * foot_rate + (1.0 - r) * payload_rate * payload_rate)
     elastic = 0.5 * z * z * (1.0 + 0.5 * groups.duffing * z * z)
-    return kinetic + elastic + scene.slope * (body.foot + (1.0 - r) * z)
+    return kinetic + elastic, scene.slope * (body.foot + (1.0 - r) * z)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..compilation import allocating, compiled, OPTIONS
 from ..lanes import aligned_zeros, LANES
 from .advance import end_of_step, is_near, moment_of
-from .body import Body, Ledger, Physics
+from .body import Body, NOTHING_YET, Physics
 from .control import ClosedForm, Control, DIVERGED, FINISHED, is_taylor, method_of, OUT_OF_STEPS
 from .driving import advance_by_method
 from .equations import pressure_after
@@ -185,7 +185,7 @@ def one_by_one(
             continue
         outcome = advance_by_method(
             body_of(bodies, i),
-            Ledger(0.0, 0.0, 0.0),
+            NOTHING_YET,
             physics_of(coefficients, i),
             float(valves[i]),
             hold,

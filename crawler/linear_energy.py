@@ -10,6 +10,7 @@ import math
 from ..compilation import compiled
 from .body import Body, Ledger, Physics
 from .closed_form import decay, Rates
+from .energy import posted
 from .marching import Deviation
 
 __all__ = ["account_linear"]
@@ -40,11 +41,8 @@ def account_linear(
     )
     if not size <= limit:
         work, viscous = _by_parts(rates, start, end, t)
-    return Ledger(
-        ledger.work + valve * (after.deformation - before.deformation) + work,
-        ledger.viscous + viscous,
-        ledger.friction + physics.kinetic_friction * abs(after.foot - before.foot),
-    )
+    work += valve * (after.deformation - before.deformation)
+    return posted(ledger, before, after, physics, work, viscous)
 
 
 @compiled

@@ -19,7 +19,7 @@ __all__ = ["keep", "opening_of", "outcome_of", "run_through", "steps_of_a_call",
 
 # Steps of one call: some tens of milliseconds.
 PAUSE_AFTER = 20_000
-_BODY, _OPENING, _SIZE = 4, 18, 27
+_BODY, _OPENING, _SIZE = 4, 18, 28
 
 
 def run_through(kernel: Callable[..., None], body: Body, *arguments: Any) -> tuple[Outcome, int]:
@@ -58,7 +58,7 @@ def keep(state: NDArray[np.float64], outcome: Outcome, stretch: int, opening: Bo
     ledger, pace = outcome.ledger, outcome.pace
     state[0], state[1], state[2], state[3] = outcome.status, outcome.elapsed, outcome.steps, outcome.logged
     _write_body(state[4:11], outcome.body)
-    state[11], state[12], state[13] = ledger.work, ledger.viscous, ledger.friction
+    state[11], state[12], state[13], state[27] = ledger.work, ledger.viscous, ledger.friction, ledger.flow
     state[14], state[15], state[16], state[17] = pace.length, pace.span, pace.begin, pace.error
     _write_body(state[18:25], opening)
     state[25] = stretch
@@ -79,7 +79,7 @@ def outcome_of(state: Any) -> Outcome:
         int(state[2]),
         int(state[3]),
         Body(state[4], state[5], state[6], state[7], state[8], int(state[9]), int(state[10])),
-        Ledger(state[11], state[12], state[13]),
+        Ledger(state[11], state[12], state[13], state[27]),
         Pace(state[14], state[15], state[16], state[17]),
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import number_within, whole_number
+from .balance import balance_of, check_balance
 from .body import BACKWARD, Body, ChainState, FORWARD, Ledger, REST, State, STUCK
 from .chain_simulation import run_chain, stretches_of
 from .control import DIVERGED, FINISHED, MAX_STEPS, STEPS_A_HOLD
@@ -83,6 +84,11 @@ def simulate(
         linear; the message names it.
     SolverError
         If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or takes more than `max_steps`.
+
+    Warns
+    -----
+    EnergyWarning
+        If the energies of a run do not add up, by more than the solver's error explains.
     """
     scene = Scene.of(scene)
     hold = number_within("hold", hold, HOLDS)
@@ -104,22 +110,32 @@ def simulate(
     ledgers: list[Ledger] = []
     logs: list[NDArray[np.void]] = []
     solvers = [choose(solver, groups_of, scene, hold, tolerance) for groups_of in crawlers]
-    energies = np.empty(batch)
+    grown, scales = np.empty(batch), np.empty(batch)
     for member, (groups_of, by) in enumerate(zip(crawlers, solvers, strict=True)):
         control = by.control(tolerance, energy=True, log=True, max_steps=budget)
         row = schedule[member].astype(np.float64), hold, control, samples[member]
         if is_chain(scene):
-            outcome, finished, events, energies[member] = run_chain(
-                body, stretches, groups_of, scene, *row, parts[member]
-            )
+            outcome, finished, events, store = run_chain(body, stretches, groups_of, scene, *row, parts[member])
         else:
-            outcome, finished, events, energies[member] = run_crawler(body, groups_of, scene, *row, by)
+            outcome, finished, events, store = run_crawler(body, groups_of, scene, *row, by)
         if outcome.status != FINISHED:
             reached = finished * hold + outcome.elapsed
             deformation, steps = outcome.body.deformation, outcome.steps
             raise solver_error(outcome.status, reached, deformation, steps, groups_of, scene, tolerance, by.name)
         finals.append(outcome.body)
         ledgers.append(outcome.ledger)
+        grown[member] = store.growth
+        exact = by.name == "closed_form"
+        balance = balance_of(
+            outcome.ledger,
+            store,
+            outcome.steps,
+            0.0 if exact else tolerance,
+            max(abs(body.foot), float(np.abs(samples[member, 3]).max())),
+            groups_of.kinetic_friction + abs(scene.slope),
+        )
+        check_balance(balance, groups_of, scene, tolerance, by.name)
+        scales[member] = balance.scale
         log = np.empty(len(events), EVENT)
         log["time"], log["motion"], log["crawler"] = events[:, 0], events[:, 1], member
         logs.append(log)
@@ -129,7 +145,7 @@ def simulate(
         if scene.segments > 1:
             parts = np.repeat(parts / scene.segments, scene.segments, axis=2)
     fractions = np.arange(1, samples_per_hold + 1) / samples_per_hold
-    work, viscous, friction = np.array(ledgers).reshape(batch, 3).T
+    work, viscous, friction, _ = np.array(ledgers).reshape(batch, 4).T
     slips = np.array([after.slips for after in finals], dtype=np.int64)
 
     def shaped(values: NDArray[Any]) -> Any:
@@ -148,9 +164,10 @@ def simulate(
         slips=int(slips[0]) if single else slips,
         events=np.concatenate(logs),
         work=shaped(work),
-        stored=shaped(energies),
+        stored=shaped(grown),
         viscous_loss=shaped(viscous),
         friction_loss=shaped(friction),
+        energy_scale=shaped(scales),
         hold=hold,
         model=_model(scene, solvers),
         groups=crawlers[0] if single else tuple(crawlers),

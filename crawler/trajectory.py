@@ -57,6 +57,9 @@ class Trajectory:
         Growth of kinetic and elastic energy, and on a slope of potential energy.
     viscous_loss, friction_loss : float or (...) array
         Dissipated in the elastomer and under the foot.
+    energy_scale : float or (...) array
+        Sum of all energies without their signs, to which `energy_residual` is to be compared: what the pressure, the
+        slope and the losses gave or took in each step, and what was stored at the start and at the end.
     hold : float
     model : str
         What was integrated, and by which solver.
@@ -83,6 +86,7 @@ class Trajectory:
     stored: Any
     viscous_loss: Any
     friction_loss: Any
+    energy_scale: Any
     hold: float
     model: str
     groups: Groups | tuple[Groups, ...]
@@ -104,7 +108,7 @@ class Trajectory:
             f"  foot    at {_spread(self.foot[..., -1])} {length} after {_spread(self.slips)} slips",
             f"  energy  work {_spread(self.work)}, stored {_spread(self.stored)}, viscous loss "
             f"{_spread(self.viscous_loss)}, friction loss {_spread(self.friction_loss)}, residual "
-            f"{_spread(self.energy_residual)} {energy}",
+            f"{_spread(self.energy_residual)} of {_spread(self.energy_scale)} {energy}",
         )
         return "\n".join(lines)
 
@@ -175,7 +179,7 @@ class Trajectory:
             "segment_velocity": scales.length / scales.time,
             "foot_velocity": scales.length / scales.time,
             "pressure": scales.pressure,
-            **dict.fromkeys(("work", "stored", "viscous_loss", "friction_loss"), scales.energy),
+            **dict.fromkeys(("work", "stored", "viscous_loss", "friction_loss", "energy_scale"), scales.energy),
         }
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         for name, scale in factor.items():

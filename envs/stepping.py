@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled, merged
-from ..crawler.body import Body, Ledger, Physics, physics
+from ..crawler.body import Body, NOTHING_YET, Physics, physics
 from ..crawler.control import Control, FINISHED, MAX_STEPS, Method, METHODS
 from ..crawler.driving import advance_by_method
 from ..crawler.groups import Groups
@@ -114,7 +114,7 @@ def _hold_valve(
     """
     outcome = advance_by_method(
         Body(body[0], body[1], body[2], body[3], body[4], int(body[5]), int(body[6])),
-        Ledger(0.0, 0.0, 0.0),
+        NOTHING_YET,
         Physics(
             fixed[0],
             fixed[1],

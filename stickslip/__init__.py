@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 from gymnasium.envs.registration import register
 
 if TYPE_CHECKING:
-    from .crawler import Actuator, Groups, Scene, simulate, Trajectory
+    from .crawler import Actuator, EnergyWarning, Groups, Scene, simulate, Trajectory
     from .reservoir import memory_capacity
     from .tasks.transformer import CrawlerReservoir
 
@@ -19,6 +19,7 @@ __version__ = "0.1.0"
 _HOME = {
     "Actuator": "stickslip.crawler",
     "CrawlerReservoir": "stickslip.tasks.transformer",
+    "EnergyWarning": "stickslip.crawler",
     "Groups": "stickslip.crawler",
     "Scene": "stickslip.crawler",
     "Trajectory": "stickslip.crawler",
@@ -29,6 +30,7 @@ _HOME = {
 __all__ = [
     "Actuator",
     "CrawlerReservoir",
+    "EnergyWarning",
     "Groups",
     "Scene",
     "Trajectory",

@@ -13,7 +13,7 @@ from judge import judge
 from modal_judge import LinearMotion, modal_judge
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
-from stickslip.crawler.body import Body, FORWARD, Ledger, physics, STUCK
+from stickslip.crawler.body import Body, FORWARD, NOTHING_YET, physics, STUCK
 from stickslip.crawler.closed_form import propagator, rates_of, tabulate
 from stickslip.crawler.control import OUT_OF_STEPS
 from stickslip.crawler.linear import advance_linear
@@ -303,7 +303,7 @@ def test_the_step_budget_is_kept():
     for budget in range(60):
         outcome = advance_linear(
             body,
-            Ledger(0.0, 0.0, 0.0),
+            NOTHING_YET,
             coefficients,
             0.0,
             20.0,

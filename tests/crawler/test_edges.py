@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 from stickslip.crawler import Groups, Scene, simulate, State
 from stickslip.crawler.advance import advance
-from stickslip.crawler.body import Body, FORWARD, Ledger, physics, STUCK
+from stickslip.crawler.body import Body, FORWARD, NOTHING_YET, physics, STUCK
 from stickslip.crawler.control import FINISHED
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.workspace import ROWS, WIDTH
@@ -272,7 +272,7 @@ def test_a_slip_that_rounding_brings_to_rest_at_a_holds_end_does_not_start_again
 def _advanced(groups, body, hold):
     outcome = advance(
         body,
-        Ledger(0.0, 0.0, 0.0),
+        NOTHING_YET,
         physics(groups, Scene()),
         0.0,
         hold,

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from stickslip.compilation import compiled
 from stickslip.crawler import Groups, Scene
-from stickslip.crawler.body import Body, Ledger, physics
+from stickslip.crawler.body import Body, NOTHING_YET, physics
 from stickslip.crawler.control import DIVERGED, FINISHED, MAX_STEPS, OUT_OF_STEPS, TAYLOR
 from stickslip.crawler.driving import advance_by_method
 from stickslip.crawler.lanes import advance_lanes, lane_workspace
@@ -27,9 +27,7 @@ def in_lanes(bodies, coefficients, valves, skip, begin, end, hold, control, samp
 
 @compiled
 def alone(body, physics, valve, hold, control, samples, workspace):
-    return advance_by_method(
-        body, Ledger(0.0, 0.0, 0.0), physics, valve, hold, control, 0.0, samples, workspace[:0], workspace
-    )
+    return advance_by_method(body, NOTHING_YET, physics, valve, hold, control, 0.0, samples, workspace[:0], workspace)
 
 
 class Batch:

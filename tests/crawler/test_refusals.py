@@ -5,7 +5,7 @@ import pytest
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
 from stickslip.crawler.advance import advance
-from stickslip.crawler.body import Body, Ledger, physics, STUCK
+from stickslip.crawler.body import Body, NOTHING_YET, physics, STUCK
 from stickslip.crawler.control import DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS
 from stickslip.crawler.simulation import solver_error
 from stickslip.crawler.solvers import SOLVERS
@@ -96,7 +96,7 @@ def test_a_batch_that_fails_raises_rather_than_return_garbage():
 def kernel(groups, hold, *, events=8, body=None, **control):
     return advance(
         body or Body(0.0, 0.0, 0.0, 0.0, 0.0, STUCK, 0),
-        Ledger(0.0, 0.0, 0.0),
+        NOTHING_YET,
         physics(groups, Scene()),
         1.0,
         hold,
@@ -134,7 +134,7 @@ def test_a_log_that_is_full_is_reported_and_none_needed_without_log():
 def test_keeping_the_books_does_not_change_the_motion():
     plain, kept = kernel(Groups(), 7.0), kernel(Groups(), 7.0, energy=True, log=True, events=64)
     assert plain.body == kept.body
-    assert plain.ledger == (0.0, 0.0, 0.0)
+    assert plain.ledger == NOTHING_YET
     assert kept.ledger.work > 0.0
 
 
