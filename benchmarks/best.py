@@ -18,12 +18,12 @@ from typing import Any
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
-from matplotlib import pyplot as plt
 from measuring import keep, machine, refresh
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from stickslip.crawler.plotting import house_style, MARKERS, OKABE_ITO, save_figure
+from stickslip.extras import optional_import
 from stickslip.reservoir import information_processing_capacity, mean_over_runs, nrmse, predict_held_out
 from stickslip.tasks import (
     body_space,
@@ -37,6 +37,9 @@ from stickslip.tasks import (
     search,
     TASKS,
 )
+
+with optional_import():
+    from matplotlib import pyplot as plt
 
 FEATURES = 60
 CHOSEN = {

@@ -20,14 +20,17 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import gymnasium as gym
 import numpy as np
 from measuring import keep, machine, refresh
-from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv
 
 from stickslip.crawler.plotting import house_style, OKABE_ITO
+from stickslip.extras import optional_import
 from stickslip.files import atomically
 from stickslip.train import StickSlipVecEnv
 from stickslip.train.hyperparameters import read_hyperparameters
 from stickslip.train.run import ALGORITHMS, Configuration
 from stickslip.train.training import train
+
+with optional_import():
+    from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -119,7 +122,8 @@ def table(found: dict[str, Any]) -> str:
 
 def draw(found: dict[str, Any]) -> "Figure":
     """A panel for each algorithm: the native curves, and those over a DummyVecEnv as rings around them."""
-    from matplotlib import pyplot as plt
+    with optional_import():
+        from matplotlib import pyplot as plt
 
     with house_style():
         figure, panels = plt.subplots(1, len(ALGORITHMS), figsize=(11, 3.0), sharey=True, layout="constrained")

@@ -22,9 +22,12 @@ import numpy as np
 from measuring import keep, machine, quartiles, take_turns
 from numpy.typing import NDArray
 from sklearn.linear_model import Ridge
-from threadpoolctl import threadpool_limits
 
+from stickslip.extras import optional_import
 from stickslip.reservoir import EchoStateNetwork, memory_capacity, squared_correlation
+
+with optional_import():
+    from threadpoolctl import threadpool_limits
 
 SAMPLES, FEATURES, DELAYS, WASHOUT, RIDGE = 10_000, 50, 50, 200, 1e-6
 OURS, SOLVE, SCORED, EACH = "memory_capacity", "one Cholesky solve", "... and scored", "one ridge fit a delay"

@@ -32,6 +32,8 @@ from peer_solvers.one_hold import measure_calls
 from peer_solvers.own import KERNEL, SIMULATE
 from peer_solvers.problem import Contender, FOOT, HOLD, SLIPS, WORD
 
+from stickslip.extras import MissingExtra
+
 SOLVERS = {
     "own": "stickslip",
     "with_scipy": "scipy",
@@ -79,10 +81,8 @@ def available() -> Iterable[Contender]:
     for module, library in SOLVERS.items():
         try:
             solvers = importlib.import_module(f"peer_solvers.{module}")
-        except ModuleNotFoundError as missing:
-            if (missing.name or "").startswith(("peer_solvers", "stickslip")):
-                raise
-            print(f"{library} is left out: {missing.name} is not installed; pip install 'stickslip[peers]'")
+        except MissingExtra as missing:
+            print(f"{library} is left out: {missing}")
             continue
         yield from solvers.contenders()
 

@@ -23,10 +23,13 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import gymnasium as gym
 import numpy as np
 from measuring import keep, machine, quartiles, refresh, take_turns
-from stable_baselines3 import PPO
-from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecMonitor
 
+from stickslip.extras import optional_import
 from stickslip.train import library_threads, StickSlipVecEnv
+
+with optional_import():
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecMonitor
 
 BENCHMARKS = Path(__file__).parent
 RESULTS = BENCHMARKS / "results" / "ppo_speed.json"

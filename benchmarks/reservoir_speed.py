@@ -22,14 +22,17 @@ from pathlib import Path
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
-import reservoirpy.jax.nodes
-import reservoirpy.nodes
 from measuring import keep, machine, quartiles, refresh, take_turns
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
+from stickslip.extras import optional_import
 from stickslip.reservoir import memory_capacity, nrmse, squared_correlation
 from stickslip.tasks import BodyReservoir, NRMSE, TASKS
+
+with optional_import():
+    import reservoirpy.jax.nodes
+    import reservoirpy.nodes
+    from threadpoolctl import threadpool_limits
 
 RESULTS = Path(__file__).parent / "results" / "reservoir_speed.json"
 PAGE = Path(__file__).parents[1] / "docs" / "reservoir.md"

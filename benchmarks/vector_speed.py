@@ -24,6 +24,8 @@ import numpy as np
 from lanes import floor
 from measuring import keep, machine, quartiles, refresh, take_turns
 
+from stickslip.extras import MissingExtra, optional_import
+
 RESULTS = Path(__file__).parent / "results" / "vector_speed.json"
 PAGE = Path(__file__).parents[1] / "docs" / "vector.md"
 NAME = "stickslip:StickSlipCrawler-v0"
@@ -47,7 +49,8 @@ def stepping(env: Any, count: int, kind: type = np.int64) -> Callable[[], object
 
 
 def envpool(count: int, threads: int) -> Any:
-    import envpool
+    with optional_import():
+        import envpool
 
     return _Seedless(envpool.make("CartPole-v1", env_type="gymnasium", num_envs=count, num_threads=threads))
 
@@ -68,8 +71,8 @@ def contenders() -> dict[str, Callable[[], object]]:
     for threads in (1, 2):
         try:
             works[f"{ENVPOOL}, threads={threads}"] = stepping(envpool(MANY, threads), MANY, np.int32)
-        except ImportError:
-            print("EnvPool is not installed: pip install envpool==1.2.0", file=sys.stderr)
+        except MissingExtra as missing:
+            print(missing, file=sys.stderr)
             break
     for name, arguments in ((READOUT, {}), (SPEED, NO_READOUT), (ANCHORED, LINEAR)):
         for threads in (1, 2):

@@ -5,10 +5,13 @@ from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
-from matplotlib import image
-from moviepy import VideoFileClip
 
 from stickslip.envs import tile
+from stickslip.extras import optional_import
+
+with optional_import():
+    from matplotlib import image
+    from moviepy import VideoFileClip
 
 DEMO = Path("runs/demo")
 IMAGES = Path("docs/images")

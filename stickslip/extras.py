@@ -12,6 +12,7 @@ EXTRAS = {
     "render": ("pygame", "moviepy"),
     "cli": ("typer", "rich"),
     "train": ("stable_baselines3", "sb3_contrib", "threadpoolctl", "torch", "tensorboard", "tqdm", "yaml"),
+    "interop": ("minari", "mo_gymnasium", "skrl", "torchrl"),
     "demo": ("jinja2",),
     "peers": ("envpool", "heyoka", "diffrax", "jax", "mujoco", "reservoirpy"),
 }

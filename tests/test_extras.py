@@ -14,7 +14,7 @@ from gymnasium.error import DependencyNotInstalled
 from stickslip.extras import EXTRAS, MissingExtra, optional_import
 
 ROOT = Path(__file__).parent.parent
-FOLDERS = ("stickslip", "crawler", "reservoir", "tasks", "envs", "train", "studies")
+FOLDERS = ("stickslip", "crawler", "reservoir", "tasks", "envs", "train", "studies", "benchmarks", "docs")
 EXTRA_OF = {package: extra for extra, packages in EXTRAS.items() for package in packages}
 # Where a package is not imported by the name it is installed by.
 DISTRIBUTIONS = {"yaml": "pyyaml"}
@@ -70,7 +70,7 @@ def unguarded(tree):
 
 
 def test_every_import_of_an_extra_is_guarded():
-    files = [file for folder in FOLDERS for file in (ROOT / folder).glob("*.py")]
+    files = [file for folder in FOLDERS for file in (ROOT / folder).rglob("*.py")]
     assert len(files) > 80
     for file in files:
         assert not list(unguarded(ast.parse(file.read_text(encoding="utf-8")))), file
@@ -112,3 +112,13 @@ def test_a_film_names_its_extra(monkeypatch, tmp_path):
     with pytest.raises(MissingExtra, match=message("moviepy")):
         film(None, tmp_path / "clip.mp4", env_kwargs={})
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_benchmark_leaves_out_a_peer_that_is_missing(monkeypatch, capsys):
+    peers = importlib.import_module("peers")
+    monkeypatch.setattr(peers, "SOLVERS", {"with_heyoka": "heyoka"})
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    monkeypatch.delitem(sys.modules, "peer_solvers.with_heyoka", raising=False)
+    assert list(peers.available()) == []
+    line = capsys.readouterr().out.strip()
+    assert re.match(message("heyoka")[1:], line.removeprefix("heyoka is left out: "))

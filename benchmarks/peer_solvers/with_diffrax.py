@@ -4,11 +4,6 @@ Events are diffrax's own, located by optimistix's Newton on the step's interpola
 states and no compiler flags but those for one thread were the fastest of what was tried.
 """
 
-import diffrax
-import jax
-import jax.numpy as jnp
-import optimistix
-
 from peer_solvers.problem import (
     Contender,
     DRAG,
@@ -23,6 +18,13 @@ from peer_solvers.problem import (
     travel,
     Word,
 )
+from stickslip.extras import optional_import
+
+with optional_import():
+    import diffrax
+    import jax
+    import jax.numpy as jnp
+    import optimistix
 
 __all__ = ["contenders"]
 

@@ -9,8 +9,6 @@ From rest every state is zero. That is no trouble as long as no power of z is ta
 returns NaN.
 """
 
-import heyoka as hy
-
 from peer_solvers.problem import (
     Contender,
     DRAG,
@@ -23,6 +21,10 @@ from peer_solvers.problem import (
     LIGHT,
     Word,
 )
+from stickslip.extras import optional_import
+
+with optional_import():
+    import heyoka as hy
 
 __all__ = ["contenders"]
 

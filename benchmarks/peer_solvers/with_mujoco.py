@@ -6,8 +6,6 @@ first order; ``located`` is the best that we found, where the step that an event
 ``joint frictionloss`` is MuJoCo's own friction, which asks for nothing by hand and solves another problem.
 """
 
-import mujoco
-
 from peer_solvers.own import foot_under_plain_friction
 from peer_solvers.problem import (
     Contender,
@@ -23,6 +21,10 @@ from peer_solvers.problem import (
     WORD,
     Word,
 )
+from stickslip.extras import optional_import
+
+with optional_import():
+    import mujoco
 
 __all__ = ["contenders"]
 

@@ -4,18 +4,21 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import pyplot as plt
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from stickslip.crawler.plotting import house_style, MARKERS, OKABE_ITO
+from stickslip.extras import optional_import
 
 from .cost import SIMULATE, STEP
 from .experiments import BODIES, CHAOTIC, POLICIES, RANDOM, TASKS, WORDS
 from .page import exponent, price, repeatable, return_loss, score_loss, speed_error, STATISTICS, trained
 from .settings import ALL, ENVIRONMENT_DEFAULT, name_of, SIMULATE_DEFAULT, TOLERANCES
 from .summary import deviations
+
+with optional_import():
+    from matplotlib import pyplot as plt
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 __all__ = ["draw"]
 

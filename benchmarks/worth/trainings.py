@@ -11,16 +11,19 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.env_util import make_vec_env
-from stable_baselines3.common.evaluation import evaluate_policy
 
+from stickslip.extras import optional_import
 from stickslip.train.hyperparameters import read_hyperparameters
 from stickslip.train.run import Configuration
 from stickslip.train.training import load_policy, train
 
 from .experiments import Work
 from .settings import name_of
+
+with optional_import():
+    from stable_baselines3.common.base_class import BaseAlgorithm
+    from stable_baselines3.common.env_util import make_vec_env
+    from stable_baselines3.common.evaluation import evaluate_policy
 
 __all__ = ["JUDGE", "LESSONS", "TRAINED_AT", "TRAINING_SEEDS", "trained_policies"]
 
