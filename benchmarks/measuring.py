@@ -15,8 +15,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.files import atomically
+from stickslip.terminal import say_what_can_be_said
 
 __all__ = ["keep", "machine", "quartiles", "refresh", "refreshed", "take_turns"]
+
+say_what_can_be_said()  # all scripts import this module, and their tables hold signs that not every terminal knows
 
 TURN = 0.01  # least seconds of work that one timing spans
 

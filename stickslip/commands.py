@@ -229,7 +229,8 @@ def bench(
         "runs/bench"
     ),
     tasks: Annotated[
-        str | None, typer.Option(help="Names of tasks and measures with commas between; all by default.")
+        str | None,
+        typer.Option(help="Names that `stickslip list` tells, with commas between; all by default."),
     ] = None,
     reservoirs: Annotated[str | None, typer.Option(help="Likewise of reservoirs.")] = None,
     sweep: Annotated[
@@ -289,7 +290,7 @@ def bench(
 
 @app.command()
 def search(
-    task: Annotated[str, typer.Option(help="A task's name, such as 'NARMA-10 uniform NRMSE'.")],
+    task: Annotated[str, typer.Option(help="A task of `stickslip list`, such as 'NARMA-10 uniform NRMSE'.")],
     output: Annotated[Path, typer.Option(help="Folder of what is found; an unfinished search there goes on.")] = Path(
         "runs/search"
     ),
