@@ -48,5 +48,5 @@ def calibrated_memory(settings: Settings, states: NDArray[np.float64]) -> Preque
         states,
         valves - np.abs(commands - settings.dither),
         settings.delays,
-        variance=settings.dither * (1.0 - settings.dither),
+        variance=settings.variance,
     )

@@ -14,15 +14,14 @@ from ..crawler import GroupsLike, Scene
 from ..crawler.body import STUCK
 from ..crawler.control import FINISHED, MAX_STEPS
 from ..crawler.simulation import solver_error
+from ..generators import whereabouts
 from ..reservoir.prequential import PrequentialMemory
 from .calibration import calibrated_memory
 from .rendering import Frame, Renderer
-from .settings import begun, FLIPS, Settings
-from .stepping import calibration_states, rest, stepper_for
+from .settings import begun, Settings
+from .stepping import calibration_states, NO_MEMORY, rest, stepper_for, TOLD
 
 __all__ = ["StickSlipCrawlerEnv"]
-
-_FOOT = 3  # in the body's array
 
 
 class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
@@ -157,8 +156,10 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         self.observation_space = self.settings.observation_space()
 
         self._samples = np.empty((5, self.settings.samples))
-        self._states = self._samples[:3].reshape(-1)
+        self._told = np.empty(TOLD)
         self._memory: PrequentialMemory | None = None
+        self._drawn_from: np.random.Generator | None = None
+        self._whereabouts = 0, 0
         self._renderer: Renderer | None = None
         self._frame: Frame | None = None
         self._body: NDArray[np.float64] | None = None
@@ -181,17 +182,16 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         info : dict
         """
         super().reset(seed=seed)
-        if seed is not None or self._body is None:
-            self._flips: list[bool] = []
         settings = self.settings
         if settings.dither > 0.0:
             if self._memory is None:
                 self._memory = calibrated_memory(settings, calibration_states(settings))
             self._memory.reset()
+            self._readout = self._memory.arrays
+        else:
+            self._readout = NO_MEMORY
         self.episode_groups, self.episode_scene = settings.draw(self.np_random)
-        self._stepper = stepper_for(
-            self.episode_groups, self.episode_scene, settings.hold, settings.tolerance, settings.samples
-        )
+        self._stepper = stepper_for(settings, self.episode_groups, self.episode_scene)
         self._body = rest()
         self._steps = 0
         self._frame = Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
@@ -228,36 +228,42 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         SolverError
             If the motion diverges.
         """
-        body, settings = self._body, self.settings
+        body = self._body
         if body is None:
             raise ResetNeeded("step needs a call of reset first")
         command = self._command(action)
-        valve = command ^ self._flip()
-        start = float(body[_FOOT])
+        if self._np_random is not self._drawn_from:
+            self._draw_from(self.np_random)
         observation = np.empty(5, np.float32)
-        hold_valve, fixed, workspace, solver = self._stepper
-        status, elapsed = hold_valve(body, fixed, valve, self._samples, workspace, observation)
+        step, fixed, workspace, solver = self._stepper
+        status = step(
+            body,
+            fixed,
+            command,
+            *self._whereabouts,
+            self._samples,
+            workspace,
+            observation,
+            self._told,
+            *self._readout,
+            self._steps + 1,
+        )
+        speed, memory, distance, innovation, reward, valve, slips, elapsed = self._told.tolist()
         if status != FINISHED:
             self._body = None
-            reached = self._steps * settings.hold + elapsed
-            crawler = self.episode_groups, self.episode_scene, settings.tolerance
+            reached = self._steps * self.settings.hold + elapsed
+            crawler = self.episode_groups, self.episode_scene, self.settings.tolerance
             raise solver_error(status, reached, float(body[0]), MAX_STEPS, *crawler, solver)
         self._steps += 1
-
-        deformation, _, pressure, foot, _, motion, slips = body.tolist()
-        speed = (foot - start) / settings.hold
-        innovation = valve - abs(command - settings.dither)
-        memory = 0.0 if self._memory is None else self._memory.score(self._states, innovation)
-        reward = (1.0 - settings.memory_weight) * speed + settings.memory_weight * memory
         if self.render_mode is not None:
             self._frame = Frame(
-                self._steps * settings.hold,
-                deformation,
-                pressure,
-                foot,
-                int(motion),
-                foot != start,
-                valve,
+                self._steps * self.settings.hold,
+                float(body[0]),
+                float(body[2]),
+                distance,
+                int(body[5]),
+                speed != 0.0,
+                int(valve),
                 speed,
                 None if self._memory is None else memory,
             )
@@ -266,9 +272,9 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         info = {
             "speed": speed,
             "memory": memory,
-            "distance": foot,
+            "distance": distance,
             "innovation": innovation,
-            "valve": valve,
+            "valve": int(valve),
             "slips": int(slips),
             "groups": self._groups.copy(),  # the caller keeps it
             "slope": self._slope,
@@ -308,27 +314,22 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
 
     def __getstate__(self) -> dict[str, Any]:
         # A window cannot be copied; the copy opens its own.
-        return {**self.__dict__, "_renderer": None}
+        # Its generator lies elsewhere.
+        return {**self.__dict__, "_renderer": None, "_drawn_from": None}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._states = self._samples[:3].reshape(-1)  # a view, of which the copy was made apart
-
-    def _flip(self) -> bool:
-        """Whether the next command is flipped."""
-        if self.settings.dither == 0.0:
-            return False
-        if not self._flips:
-            self._flips = (self.np_random.random(FLIPS) < self.settings.dither)[::-1].tolist()
-        return self._flips.pop()
+    def _draw_from(self, generator: np.random.Generator) -> None:
+        self._drawn_from = generator
+        if self.settings.dither > 0.0:
+            self._whereabouts = whereabouts(generator)
 
     @staticmethod
     def _command(action: int | np.integer) -> int:
         """`action` as an int; quicker than the space's own test, which costs as much as the physics."""
         try:
             command = operator.index(action)
-        except TypeError:
-            command = -1
+        except TypeError:  # NumPy's bool is no index, though Python's is
+            truth = isinstance(action, np.bool_ | np.ndarray) and action.dtype == np.bool_ and action.ndim == 0
+            command = int(action) if truth else -1
         if command not in (0, 1):
             raise ValueError(f"action must be 0 or 1, got {action!r}")
         return command

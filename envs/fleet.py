@@ -19,12 +19,13 @@ from ..crawler.linear import is_linear
 from ..crawler.simulation import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
 from ..crawler.workspace import ROWS, WIDTH
+from ..generators import whereabouts
 from ..lanes import aligned_zeros, LANES
 from ..reservoir.prequential_lanes import blank_readouts, forget, Readouts, readouts_of
 from .batch import batch_of, Reward, STEP_BATCH
 from .calibration import calibrated_memory, calibration_commands
 from .rendering import Frame
-from .settings import COUNTS, FLIPS, NUMBERS, Settings
+from .settings import COUNTS, NUMBERS, Settings
 from .stepping import Stepper, stepper_for
 
 __all__ = ["Fleet"]
@@ -64,8 +65,9 @@ class Fleet:
     crawlers : list of (Groups, Scene)
         Of the episodes.
     generators : list of numpy.random.Generator
-        Of each crawler's draws; None before the first episode.
+        Of each crawler's draws; None where none was asked for yet. Set by `draw_from`.
     seeds : list of int
+        -1 where a generator was given.
     """
 
     def __init__(self, kinds: Sequence[Settings], kind: NDArray[np.int64], longest: int, threads: int) -> None:
@@ -114,14 +116,26 @@ class Fleet:
             If a motion diverges while its memory readout is calibrated.
         """
         for i in np.flatnonzero(mask).tolist():
-            if seeds[i] is not None or self.generators[i] is None:
-                self.generators[i], self.seeds[i] = seeding.np_random(seeds[i])
-                self.batch.drawn[i] = FLIPS
+            if seeds[i] is not None:
+                self.draw_from(i, *seeding.np_random(seeds[i]))
+        self.want_generators()
         if self._readouts is None and self._settings.dither > 0.0:
             states = _calibration_states(self._kinds, np.unique(self._kind, return_index=True)[1])
             memories = [calibrated_memory(kind, seen) for kind, seen in zip(self._kinds, states, strict=True)]
             self._readouts = readouts_of(memories, self._kind)
         self.begin_again(mask)
+
+    def want_generators(self) -> None:
+        """Give a generator, seeded by chance, to each crawler that has none."""
+        for i, generator in enumerate(self.generators):
+            if generator is None:
+                self.draw_from(i, *seeding.np_random())
+
+    def draw_from(self, i: int, generator: np.random.Generator, seed: int) -> None:
+        """Let the random numbers of a crawler come from a generator: one for what is drawn of it, one a step."""
+        self.generators[i], self.seeds[i] = generator, seed
+        if self._settings.dither > 0.0:
+            self.batch.generators[:, i] = whereabouts(generator)
 
     def begin_again(self, mask: NDArray[np.bool_]) -> None:
         """Start further episodes of the crawlers in the mask."""
@@ -149,7 +163,6 @@ class Fleet:
         SolverError
             If a motion diverges.
         """
-        self._draw_flips(idle)
         first, *rest = self._slices
         others = [self._threads().submit(self._step_slice, commands, idle, each) for each in rest]
         try:
@@ -161,7 +174,6 @@ class Fleet:
             other.result()
         if np.count_nonzero(self.results.statuses):
             failed = np.flatnonzero(self.results.statuses)
-            self.batch.drawn[failed] = FLIPS  # as a single environment, which draws new ones after an error
             raise self._error(int(failed[0]))
 
     def frame(self, i: int) -> Frame:
@@ -192,6 +204,12 @@ class Fleet:
         # Threads cannot be copied; the copy starts its own.
         return {**self.__dict__, "_executor": None}
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for i, generator in enumerate(self.generators):  # which lie elsewhere than those copied
+            if generator is not None:
+                self.draw_from(i, generator, self.seeds[i])
+
     def _draw(self, indices: list[int]) -> None:
         """Settle who crawls where in the episodes to come, and which solver takes whom."""
         settings = self._settings
@@ -199,9 +217,7 @@ class Fleet:
         for i in indices:
             crawler = self._kinds[self._kind[i]].draw(self.generators[i])
             if crawler not in solving:
-                solving[crawler] = stepper_for(
-                    crawler[0], crawler[1], settings.hold, settings.tolerance, settings.samples
-                )
+                solving[crawler] = stepper_for(settings, *crawler)
             stepper = solving[crawler]
             self.crawlers[i] = crawler
             self.results.numbers[len(NUMBERS) :, i] = *crawler[0].to_dict().values(), crawler[1].slope
@@ -217,14 +233,6 @@ class Fleet:
             (name, None if len(names) == 1 else self._solvers != name, SOLVERS[name].control(settings.tolerance))
             for name in names
         ]
-
-    def _draw_flips(self, idle: NDArray[np.bool_]) -> None:
-        """Draw the flips of those who have used theirs up, at the step at which a single environment does."""
-        if self._settings.dither > 0.0:
-            empty = self.batch.drawn == FLIPS
-            for i in np.flatnonzero(empty & ~idle).tolist() if np.count_nonzero(empty) else ():
-                self.batch.flips[i] = self.generators[i].random(FLIPS) < self._settings.dither
-                self.batch.drawn[i] = 0
 
     def _threads(self) -> ThreadPoolExecutor:
         if self._executor is None or self._process != os.getpid():  # a forked process has none of its parent's threads
@@ -275,11 +283,11 @@ def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> 
     # With readouts, though blank, the kernel is the one that is compiled for the episodes.
     fleet._readouts = blank_readouts(count, settings.delays, settings.features + 1, 1.0)
     fleet.begin(np.ones(count, np.bool_), [0] * count)
+    fleet.batch.generators[:] = 0  # the calibration's commands are flipped already
     _, valves = calibration_commands(settings)
     states = np.empty((count, len(valves), settings.features))
     idle = np.zeros(count, np.bool_)
     for k, valve in enumerate(valves.tolist()):
-        fleet.batch.drawn[:] = 0  # and none of the flips there is true
         fleet.step(np.full(count, valve), idle)
         states[:, k] = fleet.batch.samples.reshape(settings.features, -1)[:, :count].T
     return states

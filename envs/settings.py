@@ -13,10 +13,7 @@ from ..crawler.groups import RANGES
 from ..crawler.simulation import TOLERANCES
 from ..validation import known_names, number_within, whole_number
 
-__all__ = ["COUNTS", "FLIPS", "NUMBERS", "Settings", "begun"]
-
-# Flips are drawn from the generator this many at a time, which costs a tenth of drawing each alone.
-FLIPS = 256
+__all__ = ["COUNTS", "NUMBERS", "Settings", "begun"]
 
 # Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
 _HOLDS = "(0, 10000]"
@@ -97,6 +94,11 @@ class Settings:
     def samples(self) -> int:
         """Of the body in a hold: where there is no message nobody reads them, and one is enough."""
         return self.virtual_nodes if self.dither > 0.0 else 1
+
+    @property
+    def variance(self) -> float:
+        """Var e of the message."""
+        return self.dither * (1.0 - self.dither)
 
     def observation_space(self) -> spaces.Space[NDArray[np.float32]]:
         """Space of deformation, rate, pressure, foot velocity and valve."""

@@ -269,14 +269,25 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
             self._tiles.close()
             self._tiles = None
 
-    @property  # type: ignore[misc]
-    def np_random(self) -> tuple[np.random.Generator | None, ...]:  # type: ignore[override]
-        """Each sub-environment's generator; None before the first reset."""
+    @property
+    def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
+        """Each sub-environment's generator: of one number a step, and of what `randomize` draws at a reset.
+
+        A sequence of `num_envs` different generators sets them, and so does one generator, which spawns them. The next
+        step draws from them.
+        """
+        self._fleet.want_generators()
         return tuple(self._fleet.generators)
 
+    @np_random.setter
+    def np_random(self, value: np.random.Generator | Sequence[np.random.Generator]) -> None:
+        for i, generator in enumerate(_generators(value, self.num_envs)):
+            self._fleet.draw_from(i, generator, -1)
+
     @property
-    def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
-        """Seed of each sub-environment's generator; None before the first reset."""
+    def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
+        """Seed of each sub-environment's generator; -1 where a generator was given."""
+        self._fleet.want_generators()
         return tuple(self._fleet.seeds)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -356,6 +367,19 @@ def _each(choice: Any, count: int) -> list[Groups]:
     if len(groups) != count:
         raise ValueError(f"groups must be one choice or num_envs = {count} of them, got {len(groups)}")
     return groups
+
+
+def _generators(value: Any, count: int) -> Sequence[np.random.Generator]:
+    """Generators of each sub-environment."""
+    if isinstance(value, np.random.Generator):
+        return value.spawn(count)
+    several = value if isinstance(value, Sequence) else ()
+    if not several or not all(isinstance(each, np.random.Generator) for each in several):
+        raise TypeError(f"np_random must be a numpy.random.Generator or num_envs = {count} of them, got {value!r}")
+    if len(several) != count or len({id(each.bit_generator) for each in several}) < count:
+        # Two threads that draw from one would get its numbers in no order.
+        raise ValueError(f"np_random must be num_envs = {count} generators that share no state, got {value!r}")
+    return several
 
 
 def _shown(rendered: Any, count: int) -> list[int]:

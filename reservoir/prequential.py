@@ -48,6 +48,8 @@ class PrequentialMemory:
     centre, scale : (features,) arrays
         A feature is (state - centre) * scale.
     variance : float
+    arrays : tuple of arrays
+        Of the readout as it is: what `score` takes first.
 
     Raises
     ------
@@ -86,9 +88,8 @@ class PrequentialMemory:
 
     def reset(self) -> None:
         """Forget all but the calibration run."""
-        self._weights = self.first_weights.copy()
-        self._covariance = self.first_covariance.copy()
-        self._history = np.zeros((2, self.first_weights.shape[0]))
+        history = np.zeros((2, self.first_weights.shape[0]))
+        self.arrays = self.first_weights.copy(), self.first_covariance.copy(), history, self._rows
         self._seen = 0
 
     def score(self, state: NDArray[np.float64], innovation: float) -> float:
@@ -106,16 +107,7 @@ class PrequentialMemory:
             Its mean over many samples tends to the memory capacity.
         """
         self._seen += 1
-        return score(
-            self._weights,
-            self._covariance,
-            self._history,
-            self._seen,
-            state,
-            innovation,
-            self._rows,
-            self.variance,
-        )
+        return score(*self.arrays, self._seen, state[np.newaxis], innovation, self.variance)
 
 
 @compiled
@@ -123,10 +115,10 @@ def score(
     weights: NDArray[np.float64],
     covariance: NDArray[np.float64],
     history: NDArray[np.float64],
-    seen: int,
-    state: NDArray[np.float64],
-    innovation: float,
     rows: NDArray[np.float64],
+    seen: int,
+    states: NDArray[np.float64],
+    innovation: float,
     variance: float,
 ) -> float:
     """Score one sample and learn it, in place.
@@ -139,19 +131,23 @@ def score(
         Of the readout; the last feature is the constant 1.
     history : (2, delays) array
         Innovations, newest first, and their predictions.
-    seen : int
-        Samples so far with this one: messages from before the first are neither scored nor learned.
-    state : (features,) array
-    innovation : float
     rows : (4, features + 1) array
         The centre and scale of each feature, (state - centre) * scale, then two rows of scratch.
+    seen : int
+        Samples so far with this one: messages from before the first are neither scored nor learned.
+    states : (readings, instants) array
+        The features, row by row; rows beyond them do not count.
+    innovation : float
     variance : float
         Var e.
     """
     features, gain = rows[_FEATURES], rows[_GAIN]
-    size = len(state)
-    for i in range(size):
-        features[i] = (state[i] - rows[_CENTRE, i]) * rows[_SCALE, i]
+    size = len(features) - 1
+    instants = states.shape[1]
+    for reading in range(size // instants):
+        for instant in range(instants):
+            i = reading * instants + instant
+            features[i] = (states[reading, instant] - rows[_CENTRE, i]) * rows[_SCALE, i]
     features[size] = 1.0
     past, prediction = history[0], history[1]
     for d in range(len(past) - 1, 0, -1):

@@ -93,12 +93,18 @@ class StandIn(gym.Env[NDArray[np.float32], np.int64]):
         """Of one."""
         return self._batch.env.single_action_space
 
-    @property  # type: ignore[misc]
-    def np_random(self) -> np.random.Generator | None:  # type: ignore[override]
-        """Its generator; None before the first reset."""
+    @property
+    def np_random(self) -> np.random.Generator:
+        """Its generator."""
         return self._batch.env.np_random[self._index]
 
+    @np_random.setter
+    def np_random(self, value: np.random.Generator) -> None:
+        generators = list(self._batch.env.np_random)
+        generators[self._index] = value
+        self._batch.env.np_random = generators
+
     @property
-    def np_random_seed(self) -> int | None:  # type: ignore[override]
-        """Seed of its generator; None before the first reset."""
+    def np_random_seed(self) -> int:
+        """Seed of its generator; -1 where a generator was given."""
         return self._batch.env.np_random_seed[self._index]
