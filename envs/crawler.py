@@ -2,6 +2,7 @@
 
 import operator
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from typing import Any, Literal
 
 import gymnasium as gym
@@ -10,21 +11,22 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from ..crawler import GroupsLike, Scene
-from ..crawler.body import STUCK
+from ..crawler import Groups, GroupsLike, Scene
 from ..crawler.control import FINISHED, MAX_STEPS
 from ..crawler.simulation import solver_error
 from ..generators import whereabouts
 from ..reservoir.prequential import PrequentialMemory
 from .calibration import calibrated_memory
 from .rendering import Frame, Renderer
-from .settings import begun, Settings
-from .stepping import calibration_states, NO_MEMORY, rest, stepper_for, TOLD
+from .settings import begun, CRAWLER_OPTIONS, known_options, Settings
+from .specification import Specified
+from .state import CrawlerState, refuse_foreign
+from .stepping import calibration_states, NO_MEMORY, rest, stepper_for, TOLD, TOLD_OF_STATE
 
 __all__ = ["StickSlipCrawlerEnv"]
 
 
-class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
+class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
     r"""
     ## Description
 
@@ -161,7 +163,7 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         self._drawn_from: np.random.Generator | None = None
         self._whereabouts = 0, 0
         self._renderer: Renderer | None = None
-        self._frame: Frame | None = None
+        self._readout = NO_MEMORY
         self._body: NDArray[np.float64] | None = None
 
     def reset(
@@ -174,32 +176,32 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         seed : int, optional
             Of the flips and of the groups drawn.
         options : dict, optional
-            None is known.
+            Of this episode: ``"groups"``, a mapping of what differs from its groups as they are drawn, or all of them
+            by a preset's name, `Groups` or an `Actuator`; and ``"slope"``.
 
         Returns
         -------
         observation : (5,) array of float32
         info : dict
+
+        Raises
+        ------
+        ValueError, TypeError
+            If an option is unknown or wrong; nothing is reset then.
         """
+        choice = self.settings.choose(**known_options(options, CRAWLER_OPTIONS))
         super().reset(seed=seed)
-        settings = self.settings
-        if settings.dither > 0.0:
-            if self._memory is None:
-                self._memory = calibrated_memory(settings, calibration_states(settings))
+        self._calibrate()
+        if self._memory is not None:
             self._memory.reset()
             self._readout = self._memory.arrays
-        else:
-            self._readout = NO_MEMORY
-        self.episode_groups, self.episode_scene = settings.draw(self.np_random)
-        self._stepper = stepper_for(settings, self.episode_groups, self.episode_scene)
+        self._settle(*self.settings.draw(self.np_random, choice))
         self._body = rest()
+        self._told[:] = 0.0
         self._steps = 0
-        self._frame = Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
         if self.render_mode == "human":
             self.render()
-        info = begun(self.episode_groups, self.episode_scene)
-        self._groups, self._slope = info["groups"].copy(), info["slope"]
-        return np.zeros(5, np.float32), info
+        return np.zeros(5, np.float32), begun(self.episode_groups, self.episode_scene)
 
     def step(self, action: int | np.integer) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Hold the valve as commanded, or flipped, for one hold.
@@ -255,20 +257,8 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
             crawler = self.episode_groups, self.episode_scene, self.settings.tolerance
             raise solver_error(status, reached, float(body[0]), MAX_STEPS, *crawler, solver)
         self._steps += 1
-        if self.render_mode is not None:
-            self._frame = Frame(
-                self._steps * self.settings.hold,
-                float(body[0]),
-                float(body[2]),
-                distance,
-                int(body[5]),
-                speed != 0.0,
-                int(valve),
-                speed,
-                None if self._memory is None else memory,
-            )
-            if self.render_mode == "human":
-                self.render()
+        if self.render_mode == "human":
+            self.render()
         info = {
             "speed": speed,
             "memory": memory,
@@ -280,6 +270,11 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
             "slope": self._slope,
         }
         return observation, reward, False, False, info
+
+    @staticmethod
+    def get_keys_to_action() -> dict[tuple[int, ...], int]:
+        """Keys and actions for `gymnasium.utils.play`: the space bar opens the valve."""
+        return {(ord(" "),): 1}
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draw the crawler as it is now.
@@ -300,11 +295,83 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
                 'make the environment with gym.make("StickSlipCrawler-v0", render_mode="rgb_array")'
             )
             return None
-        if self._frame is None:
+        body = self._body
+        if body is None:
             raise ResetNeeded("render needs a call of reset first")
         if self._renderer is None:
             self._renderer = Renderer(self.render_mode, self.metadata["render_fps"])
-        return self._renderer.draw(self._frame)
+        speed, memory, distance, _, valve, _ = self._told[TOLD_OF_STATE].tolist()
+        frame = Frame(
+            self._steps * self.settings.hold,
+            float(body[0]),
+            float(body[2]),
+            distance,
+            int(body[5]),
+            speed != 0.0,
+            int(valve),
+            speed,
+            None if self._memory is None or self._steps == 0 else memory,
+        )
+        return self._renderer.draw(frame)
+
+    def get_state(self, *, generator: bool = True) -> CrawlerState:
+        """State of the crawler in its episode, from which any environment of the same arguments can go on.
+
+        A time limit that `gymnasium.make` has put around the environment counts on its own.
+
+        Parameters
+        ----------
+        generator : bool
+            Whether the generator of the flips to come is a part of it.
+
+        Returns
+        -------
+        CrawlerState
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            If there is no episode.
+        """
+        if self._body is None:
+            raise ResetNeeded("get_state needs a call of reset first")
+        return CrawlerState(
+            self.settings,
+            self.episode_groups,
+            self.episode_scene,
+            self._body.copy(),
+            self._steps,
+            self._told[TOLD_OF_STATE],
+            () if self._memory is None else self._memory.packed(),
+            False,
+            deepcopy(self.np_random) if generator else None,
+            self.np_random_seed if generator else None,
+        )
+
+    def set_state(self, state: CrawlerState) -> None:
+        """Go on from a state, to the last bit; its flips are the same too if it has a generator.
+
+        Parameters
+        ----------
+        state : CrawlerState
+            Of an environment, single or in a batch, of the same arguments.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is none, or of an environment of other arguments, or of another version; nothing is set then.
+        """
+        refuse_foreign(state, self.settings)
+        self._calibrate()
+        self._settle(state.groups, state.scene)
+        if self._memory is not None:
+            self._memory.unpack(state.readout, state.steps)
+            self._readout = self._memory.arrays
+        self._body = state.body.copy()
+        self._told[TOLD_OF_STATE] = state.told
+        self._steps = state.steps
+        if state.generator is not None:
+            self._np_random, self._np_random_seed = deepcopy(state.generator), state.seed
 
     def close(self) -> None:
         """Close the window, if there is one."""
@@ -316,6 +383,16 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         # A window cannot be copied; the copy opens its own.
         # Its generator lies elsewhere.
         return {**self.__dict__, "_renderer": None, "_drawn_from": None}
+
+    def _calibrate(self) -> None:
+        if self._memory is None and self.settings.dither > 0.0:
+            self._memory = calibrated_memory(self.settings, calibration_states(self.settings))
+
+    def _settle(self, groups: Groups, scene: Scene) -> None:
+        """Who crawls where in the episode."""
+        self.episode_groups, self.episode_scene = groups, scene
+        self._groups, self._slope = groups.to_dict(), scene.slope
+        self._stepper = stepper_for(self.settings, groups, scene)
 
     def _draw_from(self, generator: np.random.Generator) -> None:
         self._drawn_from = generator

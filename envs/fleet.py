@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
+from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -21,11 +22,12 @@ from ..crawler.solvers import SOLVERS
 from ..crawler.workspace import ROWS, WIDTH
 from ..generators import whereabouts
 from ..lanes import aligned_zeros, LANES
-from ..reservoir.prequential_lanes import blank_readouts, forget, Readouts, readouts_of
+from ..reservoir.prequential_lanes import blank_readouts, forget, packed, Readouts, readouts_of, unpack
 from .batch import batch_of, Reward, STEP_BATCH
 from .calibration import calibrated_memory, calibration_commands
 from .rendering import Frame
-from .settings import COUNTS, NUMBERS, Settings
+from .settings import Choice, COUNTS, NUMBERS, Settings
+from .state import CrawlerState, observation_of
 from .stepping import Stepper, stepper_for
 
 __all__ = ["Fleet"]
@@ -64,6 +66,8 @@ class Fleet:
         See `Batch` and `Results`.
     crawlers : list of (Groups, Scene)
         Of the episodes.
+    named : list of (dict, float)
+        The same by name: the groups and the slope.
     generators : list of numpy.random.Generator
         Of each crawler's draws; None where none was asked for yet. Set by `draw_from`.
     seeds : list of int
@@ -80,7 +84,9 @@ class Fleet:
         self.generators: list[Any] = [None] * count
         self.seeds: list[int | None] = [None] * count
         self.crawlers = [(kinds[each].groups, settings.scene) for each in kind.tolist()]
+        self.named: list[tuple[dict[str, float], float]] = [({}, 0.0)] * count
         self._solvers = np.full(count, "", np.dtype("U11"))
+        self._strange = np.zeros(count, np.bool_)  # whose episodes have crawlers that the kinds do not tell
         self._tables: NDArray[np.float64] | None = None
         self._readouts: Readouts | None = None
 
@@ -101,7 +107,9 @@ class Fleet:
         self._process = os.getpid()
         self._names: Sequence[int] | NDArray[np.int64] = range(count)  # in messages
 
-    def begin(self, mask: NDArray[np.bool_], seeds: Sequence[int | None]) -> None:
+    def begin(
+        self, mask: NDArray[np.bool_], seeds: Sequence[int | None], choices: Sequence[Choice] | None = None
+    ) -> None:
         """Start the episodes of the crawlers in the mask.
 
         Parameters
@@ -109,6 +117,8 @@ class Fleet:
         mask : (crawlers,) array of bool
         seeds : (crawlers,) sequence
             None goes on with the random numbers as they come.
+        choices : (crawlers,) sequence, optional
+            What is settled of the crawlers of these episodes.
 
         Raises
         ------
@@ -119,11 +129,8 @@ class Fleet:
             if seeds[i] is not None:
                 self.draw_from(i, *seeding.np_random(seeds[i]))
         self.want_generators()
-        if self._readouts is None and self._settings.dither > 0.0:
-            states = _calibration_states(self._kinds, np.unique(self._kind, return_index=True)[1])
-            memories = [calibrated_memory(kind, seen) for kind, seen in zip(self._kinds, states, strict=True)]
-            self._readouts = readouts_of(memories, self._kind)
-        self.begin_again(mask)
+        self._calibrate()
+        self.begin_again(mask, choices)
 
     def want_generators(self) -> None:
         """Give a generator, seeded by chance, to each crawler that has none."""
@@ -131,16 +138,17 @@ class Fleet:
             if generator is None:
                 self.draw_from(i, *seeding.np_random())
 
-    def draw_from(self, i: int, generator: np.random.Generator, seed: int) -> None:
+    def draw_from(self, i: int, generator: np.random.Generator, seed: int | None) -> None:
         """Let the random numbers of a crawler come from a generator: one for what is drawn of it, one a step."""
         self.generators[i], self.seeds[i] = generator, seed
         if self._settings.dither > 0.0:
             self.batch.generators[:, i] = whereabouts(generator)
 
-    def begin_again(self, mask: NDArray[np.bool_]) -> None:
+    def begin_again(self, mask: NDArray[np.bool_], choices: Sequence[Choice] | None = None) -> None:
         """Start further episodes of the crawlers in the mask."""
-        if self._settings.randomize or self._solvers[0] == "":
-            self._draw(np.flatnonzero(mask).tolist())
+        unsettled = mask & (self._strange | (self._solvers == ""))
+        if self._settings.randomize or choices is not None or np.count_nonzero(unsettled):
+            self._draw(np.flatnonzero(mask).tolist(), choices)
         self.batch.bodies[:, : len(mask)][:, mask] = 0.0
         self.batch.steps[mask] = 0
         self.results.observations[mask] = 0.0
@@ -182,15 +190,16 @@ class Fleet:
         if steps == 0:
             return Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
         body = Body(*self.batch.bodies[:, i].tolist())
+        speed = float(told.numbers[NUMBERS.index("speed"), i])
         return Frame(
             steps * self._settings.hold,
             body.deformation,
             body.pressure,
             body.foot,
             int(body.motion),
-            body.foot != self.batch.starts[i],
+            speed != 0.0,
             int(told.counts[COUNTS.index("valve"), i]),
-            float(told.numbers[NUMBERS.index("speed"), i]),
+            speed,
             None if self._readouts is None else float(told.numbers[NUMBERS.index("memory"), i]),
         )
 
@@ -210,17 +219,30 @@ class Fleet:
             if generator is not None:
                 self.draw_from(i, generator, self.seeds[i])
 
-    def _draw(self, indices: list[int]) -> None:
-        """Settle who crawls where in the episodes to come, and which solver takes whom."""
-        settings = self._settings
-        solving: dict[tuple[Groups, Scene], Stepper] = {}
+    def _draw(self, indices: list[int], choices: Sequence[Choice] | None) -> None:
+        """Settle who crawls where in the episodes to come."""
+        crawlers = []
         for i in indices:
-            crawler = self._kinds[self._kind[i]].draw(self.generators[i])
+            kind = self._kinds[self._kind[i]]
+            crawlers.append(kind.draw(self.generators[i], *(() if choices is None else (choices[i],))))
+            self._strange[i] = choices is not None
+        self._settle(indices, crawlers)
+
+    def _settle(self, indices: list[int], crawlers: Sequence[tuple[Groups, Scene]]) -> None:
+        """Let these crawlers be others, each solved by what solves it best."""
+        settings = self._settings
+        if self._alike and self._strange.any():
+            self._alike = False
+            if self._tables is not None:
+                self._tables = np.repeat(self._tables, len(self._kind), axis=0)
+        solving: dict[tuple[Groups, Scene], Stepper] = {}
+        for i, crawler in zip(indices, crawlers, strict=True):
             if crawler not in solving:
                 solving[crawler] = stepper_for(settings, *crawler)
             stepper = solving[crawler]
-            self.crawlers[i] = crawler
-            self.results.numbers[len(NUMBERS) :, i] = *crawler[0].to_dict().values(), crawler[1].slope
+            groups, slope = crawler[0].to_dict(), crawler[1].slope
+            self.crawlers[i], self.named[i] = crawler, (groups, slope)
+            self.results.numbers[len(NUMBERS) :, i] = *groups.values(), slope
             self.batch.coefficients[:, i] = stepper.fixed[: len(self.batch.coefficients)]
             self._solvers[i] = stepper.solver
             if stepper.solver == "closed_form":
@@ -233,6 +255,62 @@ class Fleet:
             (name, None if len(names) == 1 else self._solvers != name, SOLVERS[name].control(settings.tolerance))
             for name in names
         ]
+
+    def save(self, i: int, over: bool, generator: bool) -> CrawlerState:
+        """State of crawler `i`, as it is known from outside whether its episode is over."""
+        groups, scene = self.crawlers[i]
+        return CrawlerState(
+            self.settings_of_each[i],
+            groups,
+            scene,
+            self.batch.bodies[:, i].copy(),
+            int(self.batch.steps[i]),
+            np.array([*self.results.numbers[: len(NUMBERS), i], *self.results.counts[:, i]]),
+            () if self._readouts is None else packed(self._readouts, i),
+            over,
+            deepcopy(self.generators[i]) if generator else None,
+            self.seeds[i] if generator else None,
+        )
+
+    def restore(self, states: Sequence[CrawlerState | None]) -> None:
+        """Let each crawler go on from its state, if it has one."""
+        self._calibrate()
+        self.want_generators()
+        whose: dict[int, list[int]] = {}  # many may branch from one
+        for i, state in enumerate(states):
+            if state is not None:
+                whose.setdefault(id(state), []).append(i)
+        for indices in whose.values():
+            state = states[indices[0]]
+            assert state is not None
+            crawler = state.groups, state.scene
+            self._strange[indices] = [crawler != (kind.groups, kind.scene) for kind in self._kinds_of(indices)]
+            others = [i for i in indices if self._solvers[i] == "" or self.crawlers[i] != crawler]
+            self._settle(others, [crawler] * len(others))
+            self.batch.bodies[:, indices] = state.body[:, np.newaxis]
+            self.batch.steps[indices] = state.steps
+            self.results.observations[indices] = observation_of(state)
+            self.results.numbers[: len(NUMBERS), indices] = state.told[: len(NUMBERS), np.newaxis]
+            self.results.counts[:, indices] = state.told[len(NUMBERS) :, np.newaxis]
+            if self._readouts is not None:
+                unpack(self._readouts, indices, state.readout, state.steps)
+            if state.generator is not None:
+                for i in indices:
+                    self.draw_from(i, deepcopy(state.generator), state.seed)
+
+    @property
+    def settings_of_each(self) -> list[Settings]:
+        """Arguments of each crawler."""
+        return self._kinds_of(range(len(self._kind)))
+
+    def _kinds_of(self, indices: Sequence[int]) -> list[Settings]:
+        return [self._kinds[k] for k in self._kind[list(indices)].tolist()]
+
+    def _calibrate(self) -> None:
+        if self._readouts is None and self._settings.dither > 0.0:
+            states = _calibration_states(self._kinds, np.unique(self._kind, return_index=True)[1])
+            memories = [calibrated_memory(kind, seen) for kind, seen in zip(self._kinds, states, strict=True)]
+            self._readouts = readouts_of(memories, self._kind)
 
     def _threads(self) -> ThreadPoolExecutor:
         if self._executor is None or self._process != os.getpid():  # a forked process has none of its parent's threads

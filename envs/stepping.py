@@ -23,7 +23,7 @@ from ..reservoir.prequential import score
 from .calibration import calibration_commands
 from .settings import Settings
 
-__all__ = ["NO_MEMORY", "TOLD", "Stepper", "calibration_states", "rest", "stepper_for"]
+__all__ = ["NO_MEMORY", "TOLD", "TOLD_OF_STATE", "Stepper", "calibration_states", "rest", "stepper_for"]
 
 _FOOT, _SLIPS = 3, 6  # in `Body`
 _BODY = len(Body._fields)
@@ -34,6 +34,9 @@ _SPEED, _MEMORY, _DISTANCE, _INNOVATION, _REWARD, _VALVE, _SLIPS_SO_FAR, _ELAPSE
 
 TOLD = 8
 """Numbers that a step writes down."""
+
+TOLD_OF_STATE = [_SPEED, _MEMORY, _DISTANCE, _INNOVATION, _VALVE, _SLIPS_SO_FAR]
+"""Those of them that are told, in the order of NUMBERS and COUNTS."""
 
 NO_MEMORY = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
 """Arrays of a readout that neither scores nor learns."""

@@ -92,6 +92,20 @@ class PrequentialMemory:
         self.arrays = self.first_weights.copy(), self.first_covariance.copy(), history, self._rows
         self._seen = 0
 
+    def packed(self) -> tuple[NDArray[np.float64], ...]:
+        """Copies of weights, of the lower half of the covariance by rows, and of past innovations, newest first."""
+        weights, covariance, history, _ = self.arrays
+        return weights.copy(), covariance[np.tril_indices(len(covariance))], history[0].copy()
+
+    def unpack(self, packed: tuple[NDArray[np.float64], ...], seen: int) -> None:
+        """Go on from what `packed` returned after `seen` samples."""
+        self.reset()
+        weights, covariance, history, _ = self.arrays
+        weights[:], half, history[0] = packed
+        rows, columns = np.tril_indices(len(covariance))
+        covariance[rows, columns] = covariance[columns, rows] = half
+        self._seen = seen
+
     def score(self, state: NDArray[np.float64], innovation: float) -> float:
         """Take in one sample and return what it earned.
 

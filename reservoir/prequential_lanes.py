@@ -13,7 +13,7 @@ from ..compilation import compiled
 from ..lanes import aligned_zeros, clipped, LANES, load, spread, store
 from .prequential import PrequentialMemory
 
-__all__ = ["Readouts", "blank_readouts", "forget", "readouts_of", "score_lanes"]
+__all__ = ["Readouts", "blank_readouts", "forget", "packed", "readouts_of", "score_lanes", "unpack"]
 
 Array = NDArray[np.float64]
 
@@ -78,6 +78,20 @@ def blank_readouts(count: int, delays: int, features: int, variance: float) -> R
         np.zeros(count, np.int64),
         variance,
     )
+
+
+def packed(readouts: Readouts, i: int) -> tuple[Array, ...]:
+    """Copies of what `PrequentialMemory.packed` returns, of readout `i`."""
+    block, lane = divmod(i, LANES)
+    return tuple(each[block, ..., lane].copy() for each in (readouts.weights, readouts.covariance, readouts.past))
+
+
+def unpack(readouts: Readouts, indices: Sequence[int], state: tuple[Array, ...], seen: int) -> None:
+    """Let these readouts go on from what `packed` returned after `seen` samples."""
+    block, lane = np.divmod(indices, LANES)
+    for each, own in zip((readouts.weights, readouts.covariance, readouts.past), state, strict=True):
+        each[block, ..., lane] = own
+    readouts.seen[indices] = seen
 
 
 @compiled
