@@ -70,15 +70,19 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
     `(1 - memory_weight) * speed + memory_weight * memory`, with both terms in `info`.
 
     - *speed*: distance that the foot travelled in the hold, over the hold's length, z_c / t_c.
-    - *memory*: $\sum_d (e_{k-d}^2 - (e_{k-d} - \hat e_{k-d})^2) / \mathrm{Var}\,e$ over `delays` delays from 0, where
-      $\hat e_{k-d}$ is read from the deformation, rate and pressure at `virtual_nodes` instants of the hold by a
-      recursive least-squares readout that has not yet learned $e_{k-d}$. Its mean tends to the memory capacity. Every
-      episode starts from the same calibrated readout. Without dither there is no message, and this term is 0.
+    - *memory*: $\sum_d (e_{k-d}^2 - (e_{k-d} - \hat e_{k-d})^2 / (1 + h_d)) / \mathrm{Var}\,e$ over `delays` delays
+      from 0, where $\hat e_{k-d}$ is read from the deformation, rate and pressure at `virtual_nodes` instants of the
+      hold by a recursive least-squares readout that has not yet learned $e_{k-d}$. Its mean tends to the memory
+      capacity. Every episode starts with a readout that knows nothing; the leverages $h_d$ make up for what it still
+      lacks (`docs/reward.md`). Without dither there is no message, and this term is 0.
 
     ## Starting State
 
     At rest, with the valve shut and the foot at 0. What `randomize` names is drawn uniformly from its range at every
-    reset.
+    reset; `reset(options={"groups": ..., "slope": ...})` settles an episode's crawler. `get_state` and `set_state`
+    save a crawler in the middle of an episode and go on from there, here or in a batch.
+
+    Each step draws one number from `np_random`, whether the command is flipped, and nothing else does but `randomize`.
 
     ## Episode End
 

@@ -24,7 +24,7 @@ from ..generators import whereabouts
 from ..lanes import aligned_zeros, LANES
 from ..reservoir.prequential_lanes import blank_readouts, forget, packed, Readouts, readouts_of, unpack
 from .batch import batch_of, Reward, STEP_BATCH
-from .calibration import calibrated_memory, calibration_commands
+from .calibration import calibrated_memory, calibration_valves
 from .rendering import Frame
 from .settings import Choice, COUNTS, NUMBERS, Settings
 from .state import CrawlerState, observation_of
@@ -351,7 +351,7 @@ class Fleet:
 
 
 def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> NDArray[np.float64]:
-    """States of the bodies under the calibration's commands, from rest, shape (kinds, holds, features).
+    """States of the bodies under the calibration's valves, from rest, shape (kinds, holds, features).
 
     An error names a sub-environment of the kind.
     """
@@ -361,8 +361,8 @@ def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> 
     # With readouts, though blank, the kernel is the one that is compiled for the episodes.
     fleet._readouts = blank_readouts(count, settings.delays, settings.features + 1, 1.0)
     fleet.begin(np.ones(count, np.bool_), [0] * count)
-    fleet.batch.generators[:] = 0  # the calibration's commands are flipped already
-    _, valves = calibration_commands(settings)
+    fleet.batch.generators[:] = 0  # which flip none
+    valves = calibration_valves(settings)
     states = np.empty((count, len(valves), settings.features))
     idle = np.zeros(count, np.bool_)
     for k, valve in enumerate(valves.tolist()):

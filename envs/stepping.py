@@ -20,7 +20,7 @@ from ..crawler.simulation import solver_error
 from ..crawler.solvers import AUTO, choose
 from ..generators import next_uniform
 from ..reservoir.prequential import score
-from .calibration import calibration_commands
+from .calibration import calibration_valves
 from .settings import Settings
 
 __all__ = ["NO_MEMORY", "TOLD", "TOLD_OF_STATE", "Stepper", "calibration_states", "rest", "stepper_for"]
@@ -73,14 +73,14 @@ def stepper_for(settings: Settings, groups: Groups, scene: Scene) -> Stepper:
 
 
 def calibration_states(settings: Settings) -> Array:
-    """States of the body under the calibration's commands, from rest, shape (holds, features).
+    """States of the body under the calibration's valves, from rest, shape (holds, features).
 
     Raises
     ------
     SolverError
         If the motion diverges.
     """
-    _, valves = calibration_commands(settings)
+    valves = calibration_valves(settings)
     groups, scene = settings.groups, settings.scene
     step, fixed, workspace, solver = stepper_for(settings, groups, scene)
     body, observation, told = rest(), np.empty(5, np.float32), np.empty(TOLD)

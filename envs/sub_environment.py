@@ -32,7 +32,7 @@ class SubEnvironment(gym.Env[NDArray[np.float32], np.int64]):
     """
 
     metadata = StickSlipCrawlerEnv.metadata
-    get_keys_to_action = StickSlipCrawlerEnv.get_keys_to_action
+    get_keys_to_action = staticmethod(StickSlipCrawlerEnv.get_keys_to_action)
 
     def __init__(self, batch: "StickSlipCrawlerVectorEnv", index: int) -> None:
         self._batch, self._index = batch, index

@@ -73,7 +73,7 @@ class StickSlipVecEnv(VecEnv):
         self.metadata = StickSlipCrawlerEnv.metadata
         made_from = cast(EnvSpec, made.spec)
         limit = arguments.get("max_episode_steps", made_from.max_episode_steps)
-        self.spec = replace(made_from, max_episode_steps=limit)
+        self.spec = self.env.spec = replace(made_from, max_episode_steps=limit)
 
     def reset(self) -> NDArray[np.float32]:
         """Put all crawlers at rest, with the seeds of the last call of `seed` if there was one since.
