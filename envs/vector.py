@@ -275,8 +275,8 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             self._tiles.close()
             self._tiles = None
 
-    @property
-    def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
+    @property  # type: ignore[override]
+    def np_random(self) -> tuple[np.random.Generator, ...]:
         """Each sub-environment's generator: of one number a step, and of what `randomize` draws at a reset.
 
         A sequence of `num_envs` different generators sets them, and so does one generator, which spawns them. The next
@@ -291,7 +291,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             self._fleet.draw_from(i, generator, -1)
 
     @property
-    def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
+    def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
         """Seed of each sub-environment's generator; -1 where a generator was given."""
         self._fleet.want_generators()
         return tuple(self._fleet.seeds)
