@@ -93,12 +93,9 @@ class Run:
         """
         if any((folder / name).exists() for name in _KEPT):
             raise ValueError(f"output {folder} holds a run already; resume it or name another folder")
-        file = folder / "configuration.yml"
         (folder / "checkpoints").mkdir(parents=True, exist_ok=True)
         run = cls(folder, configuration)
-        atomically(
-            file, lambda path: path.write_text(yaml.safe_dump(asdict(configuration), sort_keys=False), encoding="utf-8")
-        )
+        run.configure(configuration)
         return run
 
     @classmethod
@@ -121,6 +118,18 @@ class Run:
         if not isinstance(written, dict) or set(written) != known:
             raise ValueError(f"run {folder}: configuration.yml must set {sorted(known)}, got {written!r}")
         return cls(folder, Configuration(**written))
+
+    def configure(self, configuration: Configuration) -> None:
+        """Have the folder say that the run is of this configuration.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        self.configuration = configuration
+        text = yaml.safe_dump(asdict(configuration), sort_keys=False)
+        atomically(self.folder / "configuration.yml", lambda path: path.write_text(text, encoding="utf-8"))
 
     @property
     def best(self) -> Path:
