@@ -56,7 +56,7 @@ def test_tensorboard_has_what_the_table_has(run):
 
 def test_what_environments_do_not_tell_is_not_made_up(tmp_path):
     made = train(
-        configuration(n_timesteps=8, n_steps=2), tmp_path / "run", vec_env=partial(StickSlipVecEnv, sparse_infos=True)
+        configuration(n_timesteps=64, n_steps=16), tmp_path / "run", vec_env=partial(StickSlipVecEnv, sparse_infos=True)
     )
     last = read_evaluations(made.folder / "evaluations.csv")[-1]
     assert math.isfinite(last.reward)
