@@ -44,7 +44,8 @@ RESULTS = Path(__file__).parent / "results" / "trust.json"
 PAGE = Path(__file__).parents[1] / "docs" / "trust.md"
 INPUTS = ("0.5", "0.1", "0.02", "0.01", "uniform")
 STATES = ("white", "slow", "heavy", "products")
-SIZES = ((3, 300), (10, 3000), (100, 3000), (10, 100_000))
+# States, samples and runs.
+SIZES = {(3, 300): 100, (10, 3000): 30, (100, 3000): 8, (10, 100_000): 3}
 SIGNIFICANCES = (1e-2, 1e-3)
 DELAYS, FACTORS, FUNCTIONS, RESAMPLES = 30, 12, 200, 400
 
@@ -294,14 +295,14 @@ RUNS_CASES = ("normal", "exponential", "parity-1 of the network", "parity-2 of t
 def cases(scale: float) -> dict[str, Callable[[], Result]]:
     """All that is measured, by name."""
     made: dict[str, Callable[[], Result]] = {}
-    for features, samples in SIZES:
-        runs = max(2, round(scale * (100 if samples <= 300 else 30 if features <= 10 and samples <= 3000 else 8)))
+    for (features, samples), count in SIZES.items():
+        runs = max(1, round(scale * count))
         for message in INPUTS:
             for kind in STATES:
                 # Of four factors among twelve delays there are 495 products, and a rank needs them to differ.
-                count = min(features, 40) if kind == "products" else features
+                states_count = min(features, 40) if kind == "products" else features
                 made[f"false positives: {message}, {kind}, {features} states, {samples} samples"] = (
-                    lambda m=message, k=kind, n=count, t=samples, r=runs: false_positives(m, k, n, t, r)
+                    lambda m=message, k=kind, n=states_count, t=samples, r=runs: false_positives(m, k, n, t, r)
                 )
     for message, samples in POWER:
         for capacity in (0.003, 0.006, 0.012, 0.025, 0.05):

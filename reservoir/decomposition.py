@@ -24,8 +24,8 @@ class InTurn(NamedTuple):
         Without what chance explains.
     chance : ndarray of shape (functions,)
         Share that chance explains.
-    influence : ndarray of shape (functions, samples)
-        Of each sample on each capacity: what moves it, to first order.
+    influence : ndarray of shape (functions, blocks)
+        Of each block of samples on each capacity: what moves it, to first order.
     """
 
     capacity: Array
@@ -33,7 +33,7 @@ class InTurn(NamedTuple):
     influence: Array
 
 
-def capacity_in_turn(q: Array, rows: Array) -> InTurn:
+def capacity_in_turn(q: Array, rows: Array, block: int) -> InTurn:
     """Capacity of what each function adds to those before it: a decomposition of the trace of two projections.
 
     Parameters
@@ -41,13 +41,16 @@ def capacity_in_turn(q: Array, rows: Array) -> InTurn:
     q : ndarray of shape (samples, rank)
         Orthonormal basis of the states, of zero mean.
     rows : ndarray of shape (functions, samples)
+    block : int, at most the samples
+        Samples in a block; the last that make no whole one move nothing.
 
     Returns
     -------
     InTurn
     """
+    blocks = len(q) // block
     if rows.size == 0:
-        return InTurn(np.zeros(len(rows)), np.zeros(len(rows)), np.zeros((len(rows), len(q))))
+        return InTurn(np.zeros(len(rows)), np.zeros(len(rows)), np.zeros((len(rows), blocks)))
     moved = (rows - rows.mean(axis=1, keepdims=True)).T
     norms = np.linalg.norm(moved, axis=0)
     turned, triangle = scipy.linalg.qr(moved, mode="economic", check_finite=False)
@@ -56,14 +59,16 @@ def capacity_in_turn(q: Array, rows: Array) -> InTurn:
     projected = q.T @ turned
     explained = np.minimum(np.einsum("ij,ij->j", projected, projected), 1)
     leverage = np.vecdot(q, q)
-    squares = turned**2
-    capacity, by_chance = _without_chance(explained, leverage @ squares, q.shape[1])
+    capacity, by_chance = _without_chance(explained, leverage @ turned**2, q.shape[1])
     # Of a capacity 1 - e^2 / y^2, the residual e being that of a readout that was not fitted to its own sample, nearly.
-    missed = (turned - q @ projected) ** 2 / np.maximum(1 - leverage, 1 / len(q))[:, None]
-    influence = (1 - capacity) * squares - missed
-    return InTurn(
-        *(np.pad(a, [(0, len(rows) - len(new))] + [(0, 0)] * (a.ndim - 1)) for a in (capacity, by_chance, influence.T))
-    )
+    alone = np.maximum(1 - leverage, 1 / len(q))
+    influence = np.zeros((len(rows), blocks))
+    for i in np.flatnonzero(new):
+        missed = (turned[:, i] - q @ projected[:, i]) ** 2 / alone
+        moved_by = (1 - capacity[i]) * turned[:, i] ** 2 - missed
+        influence[i] = moved_by[: blocks * block].reshape(blocks, block).sum(axis=1)
+    beyond = len(rows) - len(new)
+    return InTurn(np.pad(capacity, (0, beyond)), np.pad(by_chance, (0, beyond)), influence)
 
 
 def _without_chance(explained: Array, by_chance: Array, rank: int) -> tuple[Array, Array]:
@@ -82,14 +87,12 @@ def _without_chance(explained: Array, by_chance: Array, rank: int) -> tuple[Arra
     return capacity, share
 
 
-def intervals(each: InTurn, block: int, confidence: float, rank: int) -> tuple[Array, tuple[float, float]]:
-    """Intervals of confidence of the capacities and of their sum, from sums of the influence over blocks of samples.
+def intervals(each: InTurn, confidence: float, rank: int) -> tuple[Array, tuple[float, float]]:
+    """Intervals of confidence of the capacities and of their sum, from the influence of blocks of samples.
 
     Parameters
     ----------
     each : InTurn
-    block : int
-        Samples in a block.
     confidence : float, in (0, 1)
     rank : int
         Of the states, which bounds the sum.
@@ -102,14 +105,12 @@ def intervals(each: InTurn, block: int, confidence: float, rank: int) -> tuple[A
     # Imported where it is used: it takes a fifth of a second, and whoever only steps an environment needs none of it.
     from scipy.special import stdtrit
 
-    count, samples = each.influence.shape
+    sums = each.influence
+    count, blocks = sums.shape
     if count == 0:
         return np.zeros((2, 0)), (0.0, 0.0)
-    whole = samples // block * block
-    sums = each.influence[:, :whole].reshape(count, -1, block).sum(axis=2)
-    blocks = sums.shape[1]
     reach = float(stdtrit(max(blocks - 1, 1), (1 + confidence) / 2))
-    inflation = samples / whole * blocks / max(blocks - 1, 1)
+    inflation = blocks / max(blocks - 1, 1)
     error = np.sqrt(inflation * np.vecdot(sums, sums))
     c = np.clip(each.capacity, 1e-12, 1 - 1e-12)
     logit, spread = np.log(c / (1 - c)), reach * error / (c * (1 - c))

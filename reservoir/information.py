@@ -280,9 +280,9 @@ def information_processing_capacity(
         left = ", ".join(f"degree {degree} from delay {found.reach[degree] + 1} on" for degree in found.left)
         warnings.warn(f"the budget of {budget} functions was spent; not tried: {left}", stacklevel=2)
     delay = np.array([term[-1][0] for term in found.terms], dtype=np.int64)
-    each = capacity_in_turn(q, products(functions, found.terms, start))
     block = usual_block(samples, delay) if len(delay) else 1
-    ends, total_interval = intervals(each, block, confidence, rank)
+    each = capacity_in_turn(q, products(functions, found.terms, start), block)
+    ends, total_interval = intervals(each, confidence, rank)
     return InformationCapacity(
         terms=tuple(found.terms),
         capacity=each.capacity,
