@@ -14,8 +14,8 @@ Errors divided by its root are the recursive residuals of [1]_, whose variance d
 the division an episode of 1000 steps hides a sixth of the capacity at the environment's defaults. The weights of delay
 d have learned from all but the first d of the k samples, while P is that of all k: :math:`h_d = h (k - d) / k`.
 
-Where h exceeds 1/2 there are hardly more samples than weights in the state's direction, and nothing is known of the
-error. Such a step counts for less, and for nothing from h = 1. Leverages cannot be large for long: the sum of
+Where h exceeds 1 there are hardly more samples than weights in the state's direction, and nothing is known of the
+error. Such a step counts for less, and for nothing from h = 2. Leverages cannot be large for long: the sum of
 log(1 + h) over all steps is the logarithm of the growth of det P^-1, so that no policy can live on them.
 
 References
@@ -172,5 +172,5 @@ def score(
         error = past[d] - prediction[d]
         share = (float(seen) - float(d)) / float(seen)
         earned += past[d] * past[d] - error * error / (1.0 + leverage * share)
-    certainty = min(max(2.0 - 2.0 * leverage, 0.0), 1.0)
+    certainty = min(max(2.0 - leverage, 0.0), 1.0)
     return certainty * earned / variance

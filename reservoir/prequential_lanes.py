@@ -142,7 +142,7 @@ def score_lanes(
         uncertainty = uncertainty + load(scratch, j * LANES) * gain
     shrink = spread(1.0) / uncertainty
     leverage = uncertainty - spread(1.0)
-    certainty = clipped(spread(2.0) - spread(2.0) * leverage)
+    certainty = clipped(spread(2.0) - leverage)
 
     for d in range(delays - 1, 0, -1):
         store(readouts.past, past + d * LANES, load(readouts.past, past + (d - 1) * LANES))

@@ -36,7 +36,7 @@ def slow_scores(calibration, states, message, delays, variance):
             guess = seen[k] @ np.linalg.solve(gram, seen[:k].T @ target)
             e, share = message[k - d], (k + 1 - d) / (k + 1)
             earned[k] += (e**2 - (e - guess) ** 2 / (1 + leverage * share)) / variance
-        earned[k] *= np.clip(2 - 2 * leverage, 0, 1)
+        earned[k] *= np.clip(2 - leverage, 0, 1)
     return earned
 
 
