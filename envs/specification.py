@@ -10,7 +10,7 @@ from gymnasium.envs.registration import EnvSpec
 
 from ..crawler import Groups, Scene
 
-__all__ = ["Specified"]
+__all__ = ["Specified", "plain"]
 
 
 class Specified:
@@ -29,21 +29,32 @@ class Specified:
 
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
-        self._spec = None if spec is None else replace(spec, kwargs=_plain(spec.kwargs))
+        self._spec = None if spec is None else replace(spec, kwargs=plain(spec.kwargs))
 
 
-def _plain(value: Any) -> Any:
-    """A value of dicts, lists, strings, truths and Python's own numbers, as far as it is made of arguments."""
+def plain(value: Any) -> Any:
+    """Arguments as JSON and YAML hold them.
+
+    Parameters
+    ----------
+    value : object
+        Groups, a scene or an actuator, NumPy's numbers and arrays, enumerations, and mappings and sequences of these.
+
+    Returns
+    -------
+    object
+        Made of dicts, lists, strings, truths and Python's own numbers; what is none of the above is left as it is.
+    """
     if isinstance(value, Groups | Scene):
         return value.to_dict()
     if isinstance(getattr(value, "groups", None), Groups):  # an actuator
         return value.groups.to_dict()
     if isinstance(value, Mapping):
-        return {name: _plain(each) for name, each in value.items()}
+        return {name: plain(each) for name, each in value.items()}
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
     if isinstance(value, Sequence) and not isinstance(value, str | bytes):
-        return [_plain(each) for each in value]
+        return [plain(each) for each in value]
     return value

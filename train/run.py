@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..envs.settings import Settings
+from ..envs.specification import plain
 from ..extras import optional_import
 from ..files import atomically
 from ..validation import known_names, whole_number
@@ -34,7 +35,7 @@ class Configuration:
     algorithm : {"ppo", "a2c", "dqn", "qrdqn", "recurrent_ppo"}
     environment : {"StickSlipCrawler-v0"}
     env_kwargs : dict
-        Its arguments, as JSON would hold them.
+        Its arguments; kept as JSON holds them.
     hyperparameters : dict
         As in a file of rl-baselines3-zoo's form, `n_envs`, `n_timesteps` and `policy` among them.
     seed : int, >= 0
@@ -61,6 +62,7 @@ class Configuration:
             if not isinstance(getattr(self, name), Mapping):
                 raise TypeError(f"{name} must be a mapping, got {getattr(self, name)!r}")
         known_names("env_kwargs", self.env_kwargs, ENV_ARGUMENTS)
+        object.__setattr__(self, "env_kwargs", plain(self.env_kwargs))
 
 
 class Run:
