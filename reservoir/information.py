@@ -150,8 +150,8 @@ def information_processing_capacity(
     Whatever the threshold, a capacity must rest on enough samples. Where flips are rare, the product of three of them
     can be told from that of four only after the fourth has had its chances to fall on the three: the effective number
     of samples, the products of a function with its prediction being their weights, must reach
-    ``-ln(significance) E f^4``, with f the function of one input. It is 9 for fair bits at 1e-4, 75 at a dither of 0.1,
-    440 at 0.02. A warning tells how many functions were left out for it.
+    ``-2 ln(significance) E f^4``, with f the function of one input. It is 18 for fair bits at 1e-4, 150 at a dither of
+    0.1, 880 at 0.02. A warning tells how many functions were left out for it.
 
     The intervals are Student's, of the influence of blocks of samples on a capacity; of its logit for a single one.
 

@@ -247,7 +247,7 @@ def test_what_rests_on_too_few_events_is_said():
     e = innovations(3000, 0.02)
     line = delay_line(e, 2)
     with pytest.warns(
-        UserWarning, match=r"[0-9]+ functions explain more than chance, but on fewer than [34][0-9][0-9] "
+        UserWarning, match=r"[0-9]+ functions explain more than chance, but on fewer than [78][0-9][0-9] "
     ):
         information_processing_capacity(line.prod(axis=1)[:, None], e, max_degree=2, delays=4)
     fair = information_processing_capacity(delay_line(signs(3000), 2).prod(axis=1)[:, None], signs(3000), delays=4)
