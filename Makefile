@@ -2,8 +2,6 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-SOURCES := crawler reservoir tasks envs train studies stickslip
-KERNELS := $(wildcard crawler/*.py reservoir/*.py envs/*.py)
 # Two cores: BLAS and torch must not fight the processes beside them.
 export OMP_NUM_THREADS ?= 1
 # Text read or written in whatever encoding the locale has is an error in the tests.
@@ -11,13 +9,13 @@ export PYTHONWARNDEFAULTENCODING ?= 1
 
 .PHONY: demo test lint types layers package slow bench clean
 
-demo: $(VENV)/ready $(VENV)/kernels
+demo: $(VENV)/ready
 	$(BIN)/stickslip demo
 
-test: lint types layers $(VENV)/kernels
+test: lint types layers
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
-slow: $(VENV)/kernels $(VENV)/interop-ready
+slow: $(VENV)/interop-ready
 	$(BIN)/python -m pytest -m slow
 
 lint: $(VENV)/ready
@@ -34,7 +32,7 @@ package: $(VENV)/ready
 	rm -rf dist
 	$(BIN)/python -m build
 
-bench: $(VENV)/kernels
+bench: $(VENV)/ready
 	for script in $(filter-out benchmarks/measuring.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$script || exit 1; done
 
 $(VENV)/ready: pyproject.toml constraints.txt
@@ -45,11 +43,6 @@ $(VENV)/ready: pyproject.toml constraints.txt
 # The packages of docs/recipes.md; what cannot share this environment has one in $(VENV)/interop, made by its test.
 $(VENV)/interop-ready: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[interop]'
-	touch $@
-
-# numba keys its cache by the file of the outermost function alone, and would go on using an edited callee as it was.
-$(VENV)/kernels: $(VENV)/ready $(KERNELS)
-	find $(SOURCES) -name '*.nb[ic]' -delete
 	touch $@
 
 clean:
