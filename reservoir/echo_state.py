@@ -18,6 +18,7 @@ _Array = NDArray[np.float64]
 
 _MOST_SKIPPED = 50
 _SINGULAR = 0.05
+_PRODUCTS_OF_A_CALL = 20_000_000
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,11 @@ class EchoStateNetwork:
         recurrent, inward, bias = self._weights()
         drive = signal[:, None] * inward + bias
         states = np.empty_like(drive)
-        _follow(np.ascontiguousarray(recurrent.T), drive, self.leak, states)
+        outward = np.ascontiguousarray(recurrent.T)
+        # An interrupt is heard between two calls of compiled code.
+        together = max(1, _PRODUCTS_OF_A_CALL // self.nodes**2)
+        for begin in range(0, len(signal), together):
+            _follow(outward, drive, self.leak, states, begin, min(begin + together, len(signal)))
         return states
 
     def stepper(self, signal: ArrayLike) -> Callable[[float], _Array]:
@@ -195,13 +200,13 @@ def _signs_of_pi(count: int) -> _Array:
 
 
 @compiled
-def _follow(outward: _Array, drive: _Array, leak: float, states: _Array) -> None:
-    """Step the network from rest: row j of `outward` is what node j feeds to each, `drive` what comes from outside.
+def _follow(outward: _Array, drive: _Array, leak: float, states: _Array, begin: int, end: int) -> None:
+    """Step the network, at rest before sample 0, from sample `begin` to `end`.
 
-    The sums go into `drive`.
+    Row j of `outward` is what node j feeds to each, `drive` what comes from outside. The sums go into `drive`.
     """
-    samples, nodes = drive.shape
-    for k in range(samples):
+    nodes = drive.shape[1]
+    for k in range(begin, end):
         push = drive[k]
         if k > 0:
             # Node by node over all that it feeds: such a loop is vectorised, a sum is not.

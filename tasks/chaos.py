@@ -20,6 +20,7 @@ _NODES = 64
 _RATE, _GAIN, _POWER = 0.1, 0.2, 10
 # A fifth of the least distance of a singularity of Lorenz's motion from the real axis.
 _LONGEST, _ORDER = 0.02, 24
+_STEPS_OF_A_CALL = 10_000
 
 
 def mackey_glass(
@@ -130,19 +131,26 @@ def lorenz(
     if len(state) != 3:
         raise ValueError(f"start must have 3 numbers, got {len(state)}")
     motion = np.empty((length, 3))
-    _flow(state, transient, math.ceil(transient / _LONGEST))
+    _flow(state, transient)
     for k in range(length):
         motion[k] = state
-        _flow(state, step, math.ceil(step / _LONGEST))
+        _flow(state, step)
     return motion
 
 
+def _flow(state: NDArray[np.float64], time: float) -> None:
+    """Carry Lorenz's x, y, z a time on, in place."""
+    steps = math.ceil(time / _LONGEST)
+    # An interrupt is heard between two calls of compiled code.
+    for done in range(0, steps, _STEPS_OF_A_CALL):
+        _take(state, time / steps, min(_STEPS_OF_A_CALL, steps - done))
+
+
 @allocating
-def _flow(state: NDArray[np.float64], time: float, steps: int) -> None:
-    """Carry Lorenz's x, y, z a time on, in place: Taylor coefficients by Cauchy's rule, summed by Horner's."""
+def _take(state: NDArray[np.float64], h: float, steps: int) -> None:
+    """Take steps of length h: Taylor coefficients by Cauchy's rule, summed by Horner's."""
     x, y, z = np.empty(_ORDER + 1), np.empty(_ORDER + 1), np.empty(_ORDER + 1)
     for _ in range(steps):
-        h = time / steps
         x[0], y[0], z[0] = state
         for n in range(_ORDER):
             xz = 0.0

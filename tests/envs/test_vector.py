@@ -109,14 +109,16 @@ def test_each_may_have_groups_of_its_own():
     count=st.integers(1, 40),
     threads=st.integers(1, 4),
     least=st.sampled_from([1, 8, 128]),
+    call=st.sampled_from([4.0, 20_000.0]),
     seed=st.integers(0, 2**31),
     steps=st.integers(1, 12),
 )
 @settings(max_examples=25, deadline=None)
-def test_neither_the_batch_nor_the_threads_matter(count, threads, least, seed, steps):
+def test_neither_the_batch_nor_the_threads_nor_the_calls_matter(count, threads, least, call, seed, steps):
     whole, part = make_vec(40, threads=1, max_episode_steps=5), None
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stickslip.envs.fleet._LEAST_A_THREAD", least)
+        patch.setattr("stickslip.envs.fleet._TIME_OF_A_CALL", call)
         part = make_vec(count, threads=threads, max_episode_steps=5)
     generator = np.random.default_rng(seed)
     expected, answer = whole.reset(seed=seed), part.reset(seed=seed)
@@ -147,49 +149,6 @@ def test_reset_tells_what_every_step_does(mode):
     _, some = batch.reset(options={"reset_mask": np.array([True, False, True])})
     assert kinds_of(some) == kinds_of(begun)
     assert some["_groups"].tolist() == some["groups"]["_duffing"].tolist() == [True, False, True]
-
-
-@pytest.mark.parametrize("mode", [*AutoresetMode, "Disabled"])
-def test_the_mode_of_resets_is_an_attribute(mode):
-    batch = make_vec(2, autoreset_mode=mode)
-    assert batch.autoreset_mode is batch.metadata["autoreset_mode"] is AutoresetMode(mode)
-
-
-def test_attributes_and_methods_are_reached_as_in_a_sync_vector_env():
-    groups = ["linear", {"duffing": 2.0}, None]
-    batch, singles = (make(3, groups=groups, scene={"slope": 0.1}) for make in (make_vec, one_by_one))
-    for each in (batch, singles):
-        each.reset(seed=4)
-        each.step([1, 0, 1])
-    for name in ("settings", "episode_groups", "episode_scene", "render_mode", "observation_space", "action_space"):
-        assert batch.get_attr(name) == singles.get_attr(name), name
-    for name in ("np_random_seed", "metadata", "get_keys_to_action"):
-        expected = singles.get_attr(name)
-        assert batch.get_attr(name) == batch.call(name) == expected, name
-    for mine, other in zip(batch.get_attr("np_random"), singles.get_attr("np_random"), strict=True):
-        assert mine.bit_generator.state == other.bit_generator.state
-    for each in (batch, singles):
-        each.set_attr("mine", 12)
-        assert each.get_attr("mine") == (12, 12, 12)
-        each.set_attr("mine", [1, 2, 3])
-        assert each.get_attr("mine") == (1, 2, 3)
-        each.set_attr("np_random", [np.random.default_rng(i) for i in range(3)])
-        assert each.get_attr("np_random_seed") == (-1, -1, -1)
-        with pytest.raises(ValueError, match=r"[Vv]alues must be .* 3"):
-            each.set_attr("mine", [1, 2])
-        with pytest.raises(AttributeError, match="nothing"):
-            each.get_attr("nothing")
-    assert_same(batch.step([1, 1, 0]), singles.step([1, 1, 0]))
-    answers = [each.call("reset", seed=7, options={"slope": 0.2}) for each in (batch, singles)]
-    assert_same(*answers)
-    assert_same(batch.step([1, 1, 0]), singles.step([1, 1, 0]))
-
-
-def test_attributes_of_an_episode_that_has_not_begun_are_none():
-    with pytest.raises(AttributeError, match="no episode has begun"):
-        make_vec(2).get_attr("episode_groups")
-    with pytest.raises(RuntimeError, match="cannot be stepped alone"):
-        make_vec(2).call("step", 1)
 
 
 def test_seeds_can_be_given_one_by_one():

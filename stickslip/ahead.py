@@ -1,0 +1,79 @@
+"""Every kernel compiled before it is needed, as images and clusters want it."""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import gymnasium as gym
+import numpy as np
+
+from .crawler import Groups, Scene, simulate
+from .crawler.driving import stretch_at
+from .crawler.solvers import SOLVERS
+from .envs import StickSlipCrawlerEnv
+from .reservoir import EchoStateNetwork, RecursiveLeastSquares
+from .tasks import lorenz
+
+__all__ = ["uses", "where_kept"]
+
+_LINEAR = {"duffing": 0.0, "radial_coupling": 0.0}
+_STIFF = {"damping_ratio": 200.0}
+
+
+def where_kept() -> str:
+    """Folder of the solver's kernels.
+
+    Raises
+    ------
+    OSError
+        If none can be written.
+    """
+    folder = stretch_at.stats.cache_path
+    if folder is None:
+        raise OSError("no folder for compiled kernels can be written: set NUMBA_CACHE_DIR to one that can")
+    return folder
+
+
+def uses() -> Iterator[tuple[str, Callable[[], object]]]:
+    """What people use kernels for, the least of each kind, by name."""
+    # One tolerance for every order of the Taylor series.
+    tolerances = sorted({SOLVERS["taylor"].order_for(10.0**-digits): 10.0**-digits for digits in range(2, 16)}.items())
+    for order, tolerance in tolerances:
+        yield f"simulate, Taylor series of order {order}", partial(_simulate, "taylor", tolerance, {})
+    yield "simulate, closed form", partial(_simulate, "closed_form", 1e-9, _LINEAR)
+    yield "simulate, Radau collocation", partial(_simulate, "radau", 1e-9, {})
+    yield "simulate, chain of segments", _chain
+    bodies = [(f"Taylor series of order {order}", tolerance, {}) for order, tolerance in tolerances]
+    bodies += [("closed form", 1e-6, _LINEAR), ("Radau collocation", 1e-6, _STIFF)]
+    for name, tolerance, groups in bodies:
+        remembering = {"groups": groups, "tolerance": tolerance}
+        yield f"environment, {name}", partial(_environment, remembering)
+        yield f"batch, {name}", partial(_batch, remembering)
+        yield f"batch without memory, {name}", partial(_batch, {**remembering, "dither": 0.0, "memory_weight": 0.0})
+    yield "recursive least squares", _readout
+    yield "echo-state network", partial(EchoStateNetwork(1).states, [0.0])
+    yield "Lorenz's flow", partial(lorenz, 1)
+
+
+def _simulate(solver: str, tolerance: float, groups: dict[str, float]) -> object:
+    return simulate(Groups(**groups), [1, 0], 0.5, solver=solver, tolerance=tolerance)
+
+
+def _chain() -> object:
+    return simulate(Groups(), [1, 0], 0.5, scene=Scene(segments=2, tube_mass=0.2))
+
+
+def _environment(settings: dict[str, object]) -> None:
+    environment = StickSlipCrawlerEnv(**settings)
+    environment.reset(seed=0)
+    environment.step(1)
+
+
+def _batch(settings: dict[str, object]) -> None:
+    environment = gym.make_vec("StickSlipCrawler-v0", 2, **settings)
+    environment.reset(seed=0)
+    environment.step(np.array([1, 0]))
+    environment.close()
+
+
+def _readout() -> object:
+    return RecursiveLeastSquares(1, 1).learn([1.0], [1.0])
