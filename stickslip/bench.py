@@ -1,16 +1,14 @@
 """``stickslip bench``: tasks and measures on reservoirs over seeds, kept as they finish."""
 
 import json
-import multiprocessing
 from collections.abc import Collection, Iterator, Mapping
-from concurrent.futures import as_completed, ProcessPoolExecutor
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any, cast
 
 from .crawler.plotting import save_figure
-from .envs.specification import plain
 from .extras import optional_import
 from .files import atomically
 from .reservoir import Estimate
@@ -23,6 +21,7 @@ from .tasks.records import Record, Records
 from .tasks.report import as_json, as_markdown, as_rows, differences, estimates
 from .tasks.sweep import parse_sweep, with_value
 from .validation import known_names, whole_number
+from .workers import worker_processes
 
 with optional_import():
     from threadpoolctl import threadpool_limits
@@ -87,7 +86,7 @@ class Bench:
     length, washout : int
         Samples of a repetition, and those at its start that are not scored.
     body : mapping
-        Arguments of `BodyReservoir` for all bodies.
+        Arguments of `BodyReservoir` for all bodies, ready for JSON.
     against : str or None
         The reservoir (or swept value, such as ``hold = 0.5``) that the others are compared with, draw by draw; the
         first one by default.
@@ -117,14 +116,12 @@ class Bench:
         resume: bool = False,
     ) -> None:
         self.folder = folder
-        given = body or {}
-        body = plain(given)
         self._seeds = range(whole_number("--seeds", seeds, 1))
         self._length = whole_number("--length", length, 1)
         self._washout = whole_number("--washout", washout, 0)
         wanted = ",".join(STANDARD_TASKS) if tasks is None and sweep is not None else tasks
         self._tasks = chosen("--tasks", _names(wanted, _KNOWN), _KNOWN)
-        known = known_reservoirs(whole_number("--features", features, 3), **body)
+        known = known_reservoirs(whole_number("--features", features, 3), **(body or {}))
         self._swept: tuple[str, list[float]] | None = None
         if sweep is None:
             self._reservoirs = chosen("--reservoirs", _names(reservoirs, known), known)
@@ -132,7 +129,7 @@ class Bench:
             raise ValueError(f"--reservoirs must be left out where --sweep is given, got {reservoirs!r}")
         else:
             name, values = parse_sweep(sweep)
-            _refuse_given_twice(name, given)
+            _refuse_given_twice(name, body or {})
             self._swept = name, list(values)
             crawler = cast(BodyReservoir, known["crawler"])
             self._reservoirs = {f"{name} = {value:.12g}": with_value(crawler, name, value) for value in values}
@@ -142,7 +139,7 @@ class Bench:
             "washout": washout,
             "sweep": None if self._swept is None else self._swept[0],
             "hold": cast(BodyReservoir, known["crawler"]).hold,
-            **body,
+            **(body or {}),
         }
         self.against = next(iter(self._reservoirs)) if against is None else against
         known_names("--against", [self.against], tuple(self._reservoirs))
@@ -181,15 +178,11 @@ class Bench:
                     finished += 1
                     yield finished
             return
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(processes, mp_context=context) as pool:
+        with worker_processes(processes) as pool:
             futures = [pool.submit(_finish, unit) for unit in units if unit.left]
-            try:
-                for future in as_completed(futures):
-                    finished += future.result()
-                    yield finished
-            finally:
-                pool.shutdown(cancel_futures=True)
+            for future in as_completed(futures):
+                finished += future.result()
+                yield finished
 
     def report(self) -> tuple[list[list[str]], list[list[str]]]:
         """Write JSON, the tables and the figures.

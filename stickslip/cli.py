@@ -11,6 +11,10 @@ def main() -> None:
     """Run the command line; what it refuses, it refuses in one line."""
     try:
         from .commands import run
+
+        status = run()
     except MissingExtra as error:
         sys.exit(f"error: {error}")
-    sys.exit(run())
+    except KeyboardInterrupt:  # before there was a command to say more
+        status = 130
+    sys.exit(status)

@@ -9,6 +9,7 @@ from typing import Annotated, Any, TYPE_CHECKING
 
 from . import __version__
 from .extras import optional_import
+from .interruption import INTERRUPTED, Interruptible
 from .terminal import say_what_can_be_said
 from .validation import known_names, number_within, whole_number
 
@@ -53,14 +54,16 @@ def run(arguments: list[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0 done, 1 refused or failed, 2 not understood. What fails is told in one line; with
-        ``STICKSLIP_DEBUG=1`` in the environment it is raised instead.
+        Exit status: 0 done, 1 refused or failed, 2 not understood, 130 interrupted. What fails is told in one line;
+        with ``STICKSLIP_DEBUG=1`` in the environment it is raised instead.
     """
     say_what_can_be_said()
     try:
-        app(arguments)
+        app(arguments, obj=arguments)
     except SystemExit as end:
         return int(end.code or 0)
+    except KeyboardInterrupt:
+        return INTERRUPTED
     except Exception as error:
         if os.environ.get("STICKSLIP_DEBUG"):
             raise
@@ -93,7 +96,7 @@ def list_names() -> None:
         typer.echo("\n  ".join([kind, *names]))
 
 
-@app.command()
+@app.command(cls=Interruptible)
 def demo(
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("runs/demo"),
     seed: Annotated[int, typer.Option(help="Of everything random.")] = 0,
@@ -108,9 +111,8 @@ def demo(
     run_demo(output, whole_number("--seed", seed, 0, 2**32 - 5), steps)
 
 
-@app.command()
+@app.command(cls=Interruptible)
 def train(
-    context: typer.Context,
     output: Annotated[Path, typer.Option(help="Folder of the run.")],
     memory_weight: Annotated[float, typer.Option(help="Share of memory in the reward, 0 to 1.")] = 0.5,
     dither: Annotated[float, typer.Option(help="Probability that a command is flipped, 0 to 0.5.")] = 0.1,
@@ -118,21 +120,16 @@ def train(
     groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
     env_kwargs: Annotated[str, typer.Option(help="Further arguments of the environment, as JSON.")] = "{}",
     steps: Annotated[
-        int | None,
-        typer.Option(help="Environment steps in all, instead of the file's or the resumed run's; updates are whole."),
+        int | None, typer.Option(help="Environment steps, instead of the file's; updates are whole.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Of everything random.")] = 0,
     algorithm: Annotated[str, typer.Option(help="ppo, a2c, dqn, qrdqn or recurrent_ppo.")] = "ppo",
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in rl-baselines3-zoo's form.")] = None,
-    resume: Annotated[
-        bool,
-        typer.Option("--resume", help="Go on from the last checkpoint in the folder, which says all but the steps."),
-    ] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the folder.")] = False,
 ) -> None:
     """Train a policy, with evaluations, checkpoints and TensorBoard logs in the output folder."""
-    from .train.evaluations import best_of, read_evaluations
     from .train.hyperparameters import read_hyperparameters
-    from .train.run import Configuration, ENV_ARGUMENTS, Run
+    from .train.run import Configuration, ENV_ARGUMENTS
     from .train.training import train as train_policy
 
     arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold}
@@ -144,19 +141,9 @@ def train(
             raise ValueError(f"--env-kwargs must not set {name}: it has an option of its own, or is not for training")
     known_names("--env-kwargs", further, [name for name in ENV_ARGUMENTS if name not in (*arguments, "groups")])
     arguments |= further
-    if resume:
-        # What is not said is as in the folder, and what is said is compared with it.
-        kept = Run.open(output).configuration
-        said = _said(context)
-        arguments = kept.env_kwargs | {name: arguments[name] for name in arguments if name in said or name in further}
-        algorithm = algorithm if "algorithm" in said else kept.algorithm
-        seed = seed if "seed" in said else kept.seed
     # The algorithm is checked before a file of its name is looked for.
     configuration = Configuration(algorithm=algorithm, environment=_ENVIRONMENT, env_kwargs=arguments, seed=seed)
-    if resume and hyperparameters is None:
-        entry = dict(kept.hyperparameters)
-    else:
-        entry = read_hyperparameters(algorithm, _ENVIRONMENT, hyperparameters)
+    entry = read_hyperparameters(algorithm, _ENVIRONMENT, hyperparameters)
     if steps is not None:
         entry["n_timesteps"] = whole_number("--steps", steps, 1)
     configuration.hyperparameters.update(entry)
@@ -173,14 +160,12 @@ def train(
     finally:
         if bar.live.is_started:
             bar.stop()
-    best = best_of(read_evaluations(finished.folder / "evaluations.csv"))
-    terms = "" if math.isnan(best.speed) else f" (speed {best.speed:.4f}, memory {best.memory:.4f})"
-    typer.echo(
-        f"best policy: {best.reward:.4f} reward per step{terms} after {best.steps} steps, kept in {finished.best}"
-    )
+    rows = (finished.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()[1:]
+    best = max(rows, key=lambda row: float(row.split(",")[1])).split(",")
+    typer.echo(f"best policy: {float(best[1]):.4f} reward per step after {best[0]} steps, kept in {finished.best}")
 
 
-@app.command()
+@app.command(cls=Interruptible)
 def evaluate(
     run: Annotated[Path, typer.Argument(help="Folder of a training run.")],
     checkpoint: Annotated[Path | None, typer.Option(help="One of its checkpoints; the best policy by default.")] = None,
@@ -199,7 +184,7 @@ def evaluate(
         typer.echo(f"{name:<24} {value}")
 
 
-@app.command()
+@app.command(cls=Interruptible)
 def speed(
     output: Annotated[Path, typer.Option(help="Folder of the table and the figure.")] = Path("runs/speed"),
     groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
@@ -241,7 +226,7 @@ def speed(
         console.print(line, highlight=False)
 
 
-@app.command()
+@app.command(cls=Interruptible)
 def bench(
     output: Annotated[Path, typer.Option(help="Folder of tables, figures and all that is finished.")] = Path(
         "runs/bench"
@@ -306,7 +291,7 @@ def bench(
     console.print(f"Tables, figures and scores: {output}", highlight=False)
 
 
-@app.command()
+@app.command(cls=Interruptible)
 def search(
     task: Annotated[str, typer.Option(help="A task of `stickslip list`, such as 'NARMA-10 uniform NRMSE'.")],
     output: Annotated[Path, typer.Option(help="Folder of what is found; an unfinished search there goes on.")] = Path(
@@ -373,6 +358,22 @@ def search(
     typer.echo(f"{task}: {test.mean:.4f}, 95% interval {test.low:.4f} to {test.high:.4f} over {test.runs} test seeds")
 
 
+@app.command(cls=Interruptible, name="compile")
+def compile_kernels() -> None:
+    """Compile every kernel ahead of its first use, as for images and clusters, where none is compiled yet."""
+    from .ahead import uses, where_kept
+
+    folder = where_kept()
+    wanted = list(uses())
+    with _progress_bar() as bar:
+        task = bar.add_task("compiling", total=len(wanted))
+        for name, use in wanted:
+            bar.update(task, description=name)
+            use()
+            bar.advance(task)
+    typer.echo(f"every kernel is compiled; the solver's are kept in {folder}")
+
+
 def _print_table(title: str, rows: list[list[str]]) -> None:
     table = Table(box=SIMPLE_HEAD, padding=(0, 1))
     for index, heading in enumerate(rows[0]):
@@ -412,12 +413,6 @@ def _work_precision_table(study: "WorkPrecision") -> Table:
             f"{row.timing.median / cheapest:.2f}",
         )
     return table
-
-
-def _said(context: typer.Context) -> set[str]:
-    """Names of the options that stand on the command line."""
-    sources = {name: context.get_parameter_source(name) for name in context.params}
-    return {name for name, source in sources.items() if source is not None and source.name == "COMMANDLINE"}
 
 
 def _groups(text: str) -> str | dict[str, Any]:

@@ -2,11 +2,9 @@
 
 import json
 import multiprocessing
-import os
 import shutil
-import threading
 import time
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -25,6 +23,7 @@ from .train.hyperparameters import read_hyperparameters
 from .train.run import Configuration, Run
 from .train.schedules import necklaces, Performance, performance, repeat
 from .train.training import load_policy, train
+from .workers import worker_processes
 
 with optional_import():
     from rich.console import Console
@@ -161,20 +160,18 @@ class _Classroom:
             )
             for lesson in (_SPEED, _MEMORY)
         }
-        self._pool = ProcessPoolExecutor(max_workers=2, mp_context=context, initializer=_share, initargs=(self._steps,))
+        self._workers = worker_processes(2, _share, (self._steps,))
 
     def __enter__(self) -> "_Classroom":
+        pool = self._workers.__enter__()
         self._futures: dict[str, Future[None]] = {
-            name: self._pool.submit(_teach, configuration, self._folder / name, name)
+            name: pool.submit(_teach, configuration, self._folder / name, name)
             for name, configuration in self._configurations.items()
         }
         return self
 
-    def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
-        if error is not None:
-            for process in list(self._pool._processes.values()):
-                process.terminate()
-        self._pool.shutdown(cancel_futures=True)
+    def __exit__(self, *error: Any) -> None:
+        self._workers.__exit__(*error)
 
     def show(self, console: Console) -> None:
         """Wait for the trainings, with a bar for each."""
@@ -202,16 +199,8 @@ _shared_steps: dict[str, Any] = {}
 
 
 def _share(steps: dict[str, Any]) -> None:
-    """Give a worker process the counters that the bars are drawn from, and have it end with its parent."""
+    """Give a worker process the counters that the bars are drawn from."""
     _shared_steps.update(steps)
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-
-    def follow() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=follow, daemon=True).start()
 
 
 def _teach(configuration: Configuration, folder: Path, name: str) -> None:
