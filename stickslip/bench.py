@@ -204,7 +204,11 @@ class Bench:
             "seeds": list(self._seeds),
             "against": self.against,
         }
-        text = json.dumps(as_json(records, found, paired, inputs), indent=1) + "\n"
+        told = {
+            **as_json(records, found, paired, inputs),
+            "made for": {name: self._made_for[name] for name in ("tasks", "reservoirs")},
+        }
+        text = json.dumps(told, indent=1) + "\n"
         atomically(self.folder / "benchmark.json", lambda path: path.write_text(text, encoding="utf-8"))
         page = as_markdown(rows) + "\n"
         if compared:

@@ -283,7 +283,7 @@ def bench(
         for finished in benchmark.run(processes):
             bar.update(task, completed=finished)
     scores, differences = benchmark.report()
-    interval = "" if seeds == 1 else f", mean ± half its 95% interval over {seeds} seeds"
+    interval = "" if seeds == 1 else f", mean [95% interval of the mean] over {seeds} seeds"
     _print_table(f"{features} features{interval}", scores)
     if differences:
         _print_table(f"differences from {benchmark.against} on the same draws{interval}", differences)

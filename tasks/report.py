@@ -83,7 +83,7 @@ def as_rows(
     Returns
     -------
     list of list of str
-        Cells read "mean ± half the interval", or "mean" for a single seed.
+        Cells read "mean [low, high]", or "mean" for a single seed.
     """
     reservoirs = list(dict.fromkeys(reservoir for _, reservoir in found))
     rows = []
@@ -143,5 +143,5 @@ def versions() -> dict[str, str]:
 
 
 def _cell(each: Estimate, digits: int, sign: str) -> str:
-    half = "" if math.isnan(each.low) else f" ± {(each.high - each.low) / 2:.{digits}f}"
-    return f"{each.mean:{sign}.{digits}f}{half}"
+    ends = "" if math.isnan(each.low) else f" [{each.low:{sign}.{digits}f}, {each.high:{sign}.{digits}f}]"
+    return f"{each.mean:{sign}.{digits}f}{ends}"

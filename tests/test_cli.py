@@ -234,9 +234,9 @@ def test_a_benchmark_is_run_and_resumed(capsys, monkeypatch, tmp_path):
     assert len(attempted) == 3 + 2 + 4  # the crawler's with the first seed are not made again
 
     printed = capsys.readouterr().out
-    assert "6 features, mean ± half its 95% interval over 2 seeds" in printed
+    assert "6 features, mean [95% interval of the mean] over 2 seeds" in printed
     assert "NARMA-2 NRMSE ↓" in printed
-    assert "differences from crawler on the same draws, mean ± half its 95% interval over 2 seeds" in printed
+    assert "differences from crawler on the same draws, mean [95% interval of the mean] over 2 seeds" in printed
     made = {f"{name}.png" for name in ("scores", "differences", "profiles", "information", "predictions")}
     assert made | {"benchmark.json", "table.md", "finished"} == {path.name for path in folder.iterdir()}
     found = json.loads((folder / "benchmark.json").read_text(encoding="utf-8"))

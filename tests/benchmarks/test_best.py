@@ -1,6 +1,7 @@
 """The page of best bodies: what a task needs, what a reservoir holds, and the tables."""
 
 import itertools
+import math
 
 import best
 import numpy as np
@@ -42,7 +43,7 @@ def test_noise_is_a_thousandth_and_its_own_each_time():
 
 
 def test_a_cell_by_hand():
-    assert best.cell([1.0, 3.0]) == "2.00 [-10.71, 14.71]"
+    assert best.cell([1.0, 3.0], bounds=(-math.inf, math.inf)) == "2.00 [-10.71, 14.71]"
 
 
 def test_modes_decay_as_the_body_does():

@@ -40,8 +40,8 @@ def test_the_table_by_hand():
     rows = as_rows(found, TASKS)
     assert rows == [
         ["task", "a", "b"],
-        ["NARMA-2 NRMSE ↓", "0.500 ± 0.100", "0.250"],
-        ["parity-2 capacity ↑", "1.00 ± 0.50", "2.00 ± 0.00"],
+        ["NARMA-2 NRMSE ↓", "0.500 [0.400, 0.600]", "0.250"],
+        ["parity-2 capacity ↑", "1.00 [0.50, 1.50]", "2.00 [2.00, 2.00]"],
     ]
     assert as_markdown(rows).splitlines()[:2] == ["| task | a | b |", "| --- | ---: | ---: |"]
 
@@ -69,7 +69,11 @@ def test_differences_are_paired_by_draw():
     assert found[NARMA, "b"].high - 1.5 == pytest.approx(6.353, abs=1e-3)
     assert found[PARITY, "b"] == (Estimate(0.0, 0.0, 0.0, 2))
     rows = as_rows(differences(kept, "b"), TASKS, signed=True)
-    assert rows == [["task", "a"], ["NARMA-2 NRMSE ↓", "-1.500 ± 6.353"], ["parity-2 capacity ↑", "+0.00 ± 0.00"]]
+    assert rows == [
+        ["task", "a"],
+        ["NARMA-2 NRMSE ↓", "-1.500 [-7.853, +4.853]"],
+        ["parity-2 capacity ↑", "+0.00 [+0.00, +0.00]"],
+    ]
     told = as_json(kept, estimates(kept), found, {})["differences"]
     assert told[0] == {"task": PARITY, "reservoir": "b", "mean": 0.0, "interval": [0.0, 0.0], "seeds": 2}
     with pytest.raises(ValueError, match="against has no 'c'"):

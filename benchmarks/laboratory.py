@@ -1,0 +1,83 @@
+"""Tables and figures of `docs/reservoir.md` and the README: all tasks on all reservoirs, and sweeps of the crawler.
+
+Run ``python benchmarks/laboratory.py``. Every attempt is kept in ``runs/laboratory``, and it goes on from what is there.
+Numbers go into `benchmarks/results/laboratory.json`, tables into `docs/reservoir.md` and `README.md`, figures into
+`docs/images`. ``--quick`` makes what the README shows alone.
+"""
+
+import argparse
+import json
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+# Matrices are small here: idle threads would take the processor from others. This must come before NumPy's import.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from measuring import keep, machine, refresh
+
+from stickslip.bench import Bench
+from stickslip.tasks.report import as_markdown
+
+SEEDS = 15
+SHOWN = (
+    "memory capacity",
+    "NARMA-2 NRMSE",
+    "NARMA-10 NRMSE",
+    "NARMA-10 uniform NRMSE",
+    "parity-2 capacity",
+    "parity-3 capacity",
+    "Lorenz valid time",
+)
+BESIDE = ("crawler", "delay line", "echo-state network", "cycle reservoir")
+SWEEPS = {
+    "hold": "hold=0.125,0.25,0.5,1,2,4",
+    "amplitude": "amplitude=0.25,0.5,1,2,4",
+    "damping_ratio": "damping_ratio=0.0125,0.025,0.05,0.1,0.2,0.4",
+}
+FIGURES = ("scores", "differences", "profiles", "information", "predictions")
+ROOT = Path(__file__).parents[1]
+FOLDER = Path("runs/laboratory")
+RESULTS = ROOT / "benchmarks" / "results" / "laboratory.json"
+
+
+def run(name: str, **arguments: Any) -> tuple[dict[str, Any], list[list[str]], list[list[str]]]:
+    """A benchmark in its folder: what its JSON says but for single scores, and its two tables."""
+    bench = Bench(FOLDER / name, seeds=SEEDS, resume=True, **arguments)
+    for finished in bench.run():
+        print(f"\r{name}: {finished} of {bench.total}", end="", flush=True)
+    print()
+    scores, differences = bench.report()
+    told = json.loads((FOLDER / name / "benchmark.json").read_text(encoding="utf-8"))
+    return {key: told[key] for key in ("inputs", "made for", "means", "differences")}, scores, differences
+
+
+def main() -> None:
+    """Run, and write numbers, tables and figures."""
+    parser = argparse.ArgumentParser(description="The tables of the laboratory's page and of the README.")
+    parser.add_argument("--quick", action="store_true", help="only what the README shows")
+    arguments = parser.parse_args()
+    results = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
+    results["machine"] = machine("scipy", "scikit-learn")
+    # What the README shows comes first, in the folder of all.
+    results["readme"], shown, _ = run("all", tasks=",".join(SHOWN), reservoirs=",".join(BESIDE))
+    refresh(ROOT / "README.md", {"tasks": as_markdown(shown)})
+    keep(RESULTS, results)
+    if arguments.quick:
+        return
+    page = ROOT / "docs" / "reservoir.md"
+    for name, sweep in SWEEPS.items():
+        results[name], table, _ = run(name, sweep=sweep)
+        refresh(page, {name: as_markdown(table)})
+        keep(RESULTS, results)
+    shutil.copy(FOLDER / "hold" / "sweep.png", ROOT / "docs" / "images" / "bench_sweep_hold.png")
+    results["all"], scores, differences = run("all")
+    refresh(page, {"all": as_markdown(scores), "differences": as_markdown(differences)})
+    for figure in FIGURES:
+        shutil.copy(FOLDER / "all" / f"{figure}.png", ROOT / "docs" / "images" / f"bench_{figure}.png")
+    keep(RESULTS, results)
+
+
+if __name__ == "__main__":
+    main()
