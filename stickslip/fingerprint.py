@@ -19,6 +19,7 @@ import numpy as np
 __all__ = ["Difference", "described", "differences", "refuse_other", "rounded"]
 
 _DIGITS = 6
+_PLACE_IN_MEMORY: Any = object.__repr__
 
 
 class _Absent:
@@ -149,7 +150,7 @@ def _text(value: Any) -> str:
     if isinstance(value, np.ndarray):
         digest = sha256(np.ascontiguousarray(value).tobytes()).hexdigest()[:12]
         return f"array(shape={value.shape}, dtype={value.dtype}, sha256={digest})"
-    if type(value).__repr__ is object.__repr__:
+    if type(value).__repr__ is _PLACE_IN_MEMORY:
         return name
     if isinstance(value, Mapping | list | tuple | range | set | frozenset | np.generic | Path):
         return repr(described(value))
