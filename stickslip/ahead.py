@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any, cast
 
 import gymnasium as gym
 import numpy as np
 
+from .compilation import Kernel
 from .crawler import Groups, Scene, simulate
 from .crawler.driving import stretch_at
 from .crawler.solvers import SOLVERS
@@ -27,7 +29,7 @@ def where_kept() -> str:
     OSError
         If none can be written.
     """
-    folder = stretch_at.stats.cache_path
+    folder = cast(Kernel, stretch_at).stats.cache_path
     if folder is None:
         raise OSError("no folder for compiled kernels can be written: set NUMBA_CACHE_DIR to one that can")
     return folder
@@ -42,7 +44,9 @@ def uses() -> Iterator[tuple[str, Callable[[], object]]]:
     yield "simulate, closed form", partial(_simulate, "closed_form", 1e-9, _LINEAR)
     yield "simulate, Radau collocation", partial(_simulate, "radau", 1e-9, {})
     yield "simulate, chain of segments", _chain
-    bodies = [(f"Taylor series of order {order}", tolerance, {}) for order, tolerance in tolerances]
+    bodies: list[tuple[str, float, dict[str, float]]] = [
+        (f"Taylor series of order {order}", tolerance, {}) for order, tolerance in tolerances
+    ]
     bodies += [("closed form", 1e-6, _LINEAR), ("Radau collocation", 1e-6, _STIFF)]
     for name, tolerance, groups in bodies:
         remembering = {"groups": groups, "tolerance": tolerance}
@@ -62,13 +66,13 @@ def _chain() -> object:
     return simulate(Groups(), [1, 0], 0.5, scene=Scene(segments=2, tube_mass=0.2))
 
 
-def _environment(settings: dict[str, object]) -> None:
+def _environment(settings: dict[str, Any]) -> None:
     environment = StickSlipCrawlerEnv(**settings)
     environment.reset(seed=0)
     environment.step(1)
 
 
-def _batch(settings: dict[str, object]) -> None:
+def _batch(settings: dict[str, Any]) -> None:
     environment = gym.make_vec("StickSlipCrawler-v0", 2, **settings)
     environment.reset(seed=0)
     environment.step(np.array([1, 0]))

@@ -14,7 +14,7 @@ from .kernel_cache import KernelCache
 
 __all__ = ["OPTIONS", "Kernel", "allocating", "compiled", "formula", "merged"]
 
-if config.DISABLE_JIT:
+if vars(config)["DISABLE_JIT"]:
     raise ImportError("stickslip's kernels run compiled only, got NUMBA_DISABLE_JIT=1: unset it")
 
 # Without numba's memory management: counting who refers to a row of an array costs as much as the work on it, and no

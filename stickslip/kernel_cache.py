@@ -114,8 +114,9 @@ def _folders(function: Callable[..., Any]) -> list[Path]:
     """The folder that ``NUMBA_CACHE_DIR`` names, or else the module's ``__pycache__`` and one of the user's."""
     file = Path(function.__code__.co_filename)
     own = _CacheLocator.get_suitable_cache_subpath(str(file))
-    if config.CACHE_DIR:
-        return [Path(config.CACHE_DIR) / own]
+    chosen = vars(config)["CACHE_DIR"]
+    if chosen:
+        return [Path(chosen) / own]
     return [file.parent / "__pycache__", Path(AppDirs(_PACKAGE, appauthor=False).user_cache_dir) / own]
 
 
