@@ -25,6 +25,7 @@ from stickslip.crawler.plotting import house_style, OKABE_ITO
 from stickslip.extras import optional_import
 from stickslip.files import atomically
 from stickslip.train import StickSlipVecEnv
+from stickslip.train.evaluations import read_evaluations
 from stickslip.train.hyperparameters import read_hyperparameters
 from stickslip.train.run import ALGORITHMS, Configuration
 from stickslip.train.training import train
@@ -66,8 +67,9 @@ def curve(algorithm: str, seed: int, way: str) -> dict[str, Any]:
     start = time.process_time()
     with TemporaryDirectory(prefix="learning_curves_") as folder:
         run = train(configuration, Path(folder), vec_env=WAYS[way])
-        table = np.loadtxt(run.folder / "evaluations.csv", delimiter=",", skiprows=1, ndmin=2, encoding="utf-8")
-    return {"steps": table[:, 0].tolist(), "reward": table[:, 1].tolist(), "seconds": time.process_time() - start}
+        table = read_evaluations(run.folder / "evaluations.csv")
+    steps, rewards = [row.steps for row in table], [row.reward for row in table]
+    return {"steps": steps, "reward": rewards, "seconds": time.process_time() - start}
 
 
 def yardsticks() -> dict[str, float]:

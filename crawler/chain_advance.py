@@ -297,7 +297,7 @@ def _next_event(
         return length, body.motion
     rear = series.rear
     if body.motion == STUCK:
-        return breaking_loose(body, physics, valve, order, length, rear)
+        return breaking_loose(body, physics, valve, order, length, 0.0, rear)
     speed = rear[SCRATCH]
     for n in range(order + 1):
         speed[n] = body.motion * series.foot_velocity[n]

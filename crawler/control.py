@@ -115,6 +115,7 @@ class Pace(NamedTuple):
     span: float  # of the step whose polynomials lie in the workspace; 0 without one
     begin: float  # of the next step, in those polynomials' time: `span`, or 0 to do the same step again
     error: float  # of that step, in tolerances; 0 for a Taylor series
+    doubt: float  # force by which a grip may be beyond its threshold on that step without the foot breaking loose
 
 
 class Outcome(NamedTuple):
@@ -148,4 +149,4 @@ def is_taylor(control: Any) -> bool:
     return method_of(control) in TAYLOR.values()
 
 
-AFRESH = Pace(0.0, 0.0, 0.0, 0.0)
+AFRESH = Pace(0.0, 0.0, 0.0, 0.0, 0.0)

@@ -31,13 +31,23 @@ _VANISHING = 1e-12
 
 @merged
 def next_event(
-    body: Body, ahead: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
+    body: Body,
+    ahead: Body,
+    physics: Physics,
+    valve: float,
+    order: int,
+    length: float,
+    doubt: float,
+    series: NDArray[np.float64],
 ) -> tuple[float, int]:
-    """Where the step ends, at most at `length` with the state `ahead`, and the motion that follows."""
+    """Where the step ends, at most at `length` with the state `ahead`, and the motion that follows.
+
+    `doubt` as for `breaking_loose`.
+    """
     if physics.anchored | is_quiet(body, physics, series[FORCE, 0], series[STEP]):
         return length, body.motion
     if body.motion == STUCK:
-        return breaking_loose(body, physics, valve, order, length, series)
+        return breaking_loose(body, physics, valve, order, length, doubt, series)
     degree = foot_speed(body, physics, order, series)
     moment = sharp_descent(series[SCRATCH], degree, length)
     if moment > length:
@@ -79,18 +89,22 @@ def _stays_positive(start: float, lowest: float, change: float, rises: bool, fal
 
 @merged
 def breaking_loose(
-    body: Body, physics: Physics, valve: float, order: int, length: float, series: NDArray[np.float64]
+    body: Body, physics: Physics, valve: float, order: int, length: float, doubt: float, series: NDArray[np.float64]
 ) -> tuple[float, int]:
-    """Where a step of the resting foot ends, at most at `length`, and the motion that follows."""
+    """Where a step of the resting foot ends, at most at `length`, and the motion that follows.
+
+    The foot breaks loose where the force is beyond its threshold by more than `doubt`, what the step may err by. A
+    grip that the error alone breaks would hold again at once, and so without end.
+    """
     first = np.inf
     motion = STUCK
     for direction in (FORWARD, BACKWARD):
         if direction == BACKWARD and physics.ratchet:
             continue
-        _grip(direction, physics, order, series)
+        _grip(direction, physics, order, doubt, series)
         moment = first_descent(series[SCRATCH], order, length)
         if 0.0 < moment <= length:
-            moment = _polish(moment, direction, body, physics, valve, order, length, series)
+            moment = _polish(moment, direction, body, physics, valve, order, length, doubt, series)
         if moment < first:
             first = moment
             motion = direction
@@ -144,12 +158,12 @@ def change_motion(body: Body, motion: int, physics: Physics) -> Body:
 
 
 @compiled
-def _grip(direction: int, physics: Physics, order: int, series: NDArray[np.float64]) -> None:
-    """Write the margin by which the resting foot holds, s plus or less F + r slope."""
+def _grip(direction: int, physics: Physics, order: int, doubt: float, series: NDArray[np.float64]) -> None:
+    """Write the margin by which the resting foot holds, s plus or less F + r slope, and the doubt of it."""
     margin = series[SCRATCH]
     for n in range(order + 1):
         margin[n] = direction * series[FORCE, n]
-    margin[0] += physics.static_friction + direction * physics.foot_fraction * physics.slope
+    margin[0] += physics.static_friction + doubt + direction * physics.foot_fraction * physics.slope
 
 
 @compiled
@@ -189,6 +203,7 @@ def _polish(
     valve: float,
     order: int,
     length: float,
+    doubt: float,
     series: NDArray[np.float64],
 ) -> float:
     """Move a break-loose from where the force's series says to where the force at the state says; inf if nowhere.
@@ -202,7 +217,7 @@ def _polish(
         z = horner(series[Z], order + 1, moment)
         v = horner(series[V], order + 1, moment)
         pull = force(physics, z, v, pressure_after(body, physics, valve, moment))
-        margin = physics.static_friction + direction * (pull + physics.foot_fraction * physics.slope)
+        margin = physics.static_friction + doubt + direction * (pull + physics.foot_fraction * physics.slope)
         size = force_terms(physics, z, v) + physics.static_friction
         slope = horner_derivative(series[SCRATCH], order, moment)
         if slope >= 0.0:

@@ -80,7 +80,7 @@ def outcome_of(state: Any) -> Outcome:
         int(state[3]),
         Body(state[4], state[5], state[6], state[7], state[8], int(state[9]), int(state[10])),
         Ledger(state[11], state[12], state[13], state[27]),
-        Pace(state[14], state[15], state[16], state[17]),
+        Pace(state[14], state[15], state[16], state[17], 0.0),
     )
 
 

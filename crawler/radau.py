@@ -18,7 +18,14 @@ from numpy.typing import NDArray
 from ..compilation import compiled
 from .body import Body, Physics, STUCK
 from .control import AFRESH, Control, Pace, Taylor12
-from .equations import acceleration_at_no_force, force, force_terms, inverse_mass, pressure_after
+from .equations import (
+    acceleration_at_no_force,
+    foot_velocity_at,
+    force,
+    force_terms,
+    inverse_mass,
+    pressure_after,
+)
 from .polynomial import horner
 from .radau_table import CHECKS, STAGES, TABLES
 from .taylor import expand, ROUNDING, state_at
@@ -66,8 +73,13 @@ _EXTRAPOLATION = 3.0
 _EARLY, _BEYOND = 0.8, 1.1
 # The powers of a shorter step than this, by which its polynomials are divided, leave the range of floats.
 _SHORTEST = 1e-25
-# An event is believed of a grip or a slip so many times the error at the step's start.
-_CLEAR = 10.0
+# A step errs by at most so much of the grip, or of the slip, and so shows whether it ends: without friction a body may
+# pull by far less than the tolerance, and an event made of errors alone would be followed by others without end.
+_SHARE = 0.05
+# The force and the rate are not asked for more sharply than to so much of the force's terms.
+_SHARPEST = 1e-13
+# An event is believed of a step that errs by at most this part of the grip or the slip at its start.
+_BLUR = 1e-3
 # An L-stable method would hold fast what an unstable body lets go: its step is so many e-folds at most.
 _E_FOLDS = 1.0
 # A grip is on its threshold, and a motion begins with a Taylor series, within so many tolerances.
@@ -144,11 +156,14 @@ def collocate(
         short = _taylor_length(body, physics, valve, stages, tolerance, series)
         # The first instants of a slip, or of a grip on its threshold, decide which motion this is.
         nearness = _NEAR * tolerance if body.motion == STUCK else 0.0
-        undecided = not physics.anchored and _clearance(body, physics, series) <= nearness
+        undecided = not physics.anchored and _clearance(body, physics) <= nearness
         if undecided or remaining <= short:
             short = min(short, remaining)
-            return short, Pace(_LENGTHEN * short, short, short, 0.0)
+            return short, Pace(_LENGTHEN * short, short, short, 0.0, 0.0)
         length = _first_length(body, physics, valve, method, stages, tolerance, series)
+    fine = tolerance
+    if not physics.anchored:
+        fine = min(tolerance, max(_SHARE * _clearance(body, physics), _SHARPEST))
     length = min(length, longest)
     power = 1.0 / (stages + 1.0)
     shortened = False
@@ -156,12 +171,16 @@ def collocate(
         # Two equal steps to the end rather than a long one and a stump.
         if 0.5 * remaining < length < remaining and pace.begin == pace.span:
             length = 0.5 * remaining
-        size = _solve(body, physics, valve, method, stages, length, tolerance, pace, series)
+        size = _solve(body, physics, valve, method, stages, length, fine, pace, series)
         if not size > 0.0:
             length *= 0.25
             shortened = True
             continue
-        error = _error(body, physics, valve, method, stages, length, size, series) / tolerance
+        allowed = tolerance
+        if not physics.anchored:
+            widest = _widest(body, physics, method, stages, length, series)
+            allowed = min(tolerance, max(_SHARE * widest, _SHARPEST * size))
+        error = _error(body, physics, valve, method, stages, length, size, series) / allowed
         factor = _SAFETY * math.exp(-power * math.log(max(error, 1e-12)))
         if not error <= 1.0:
             length *= max(_SHORTEN, min(factor, _SAFETY))
@@ -170,10 +189,13 @@ def collocate(
         _write(method, stages, length, series)
         if pace.begin > 0.0 and pace.error > 0.0 and error > 0.0:
             # The error's own trend, from the last step to this (K. Gustafsson, ACM TOMS 20 (1994) 496).
-            trend = length / pace.span * math.exp(power * math.log(pace.error / error))
+            trend = length / pace.span * math.exp(power * math.log(pace.error * tolerance / (error * allowed)))
             factor *= min(1.0, trend)
         factor = max(_SHORTEN, min(factor, 1.0 if shortened else _LENGTHEN))
-        return length, Pace(length * factor, length, length, error)
+        error *= allowed / tolerance
+        # A friction above the tolerance is met by a force that falls through it, whatever its rounding.
+        unsure = min(tolerance, _SHARPEST * size) if physics.static_friction < tolerance else 0.0
+        return length, Pace(length * factor, length, length, error, max(error * tolerance, unsure))
     return np.nan, AFRESH
 
 
@@ -199,13 +221,11 @@ def radau_step(
 
 
 @compiled
-def radau_again(
-    body: Body, physics: Physics, tolerance: float, pace: Pace, moment: float, series: NDArray[np.float64]
-) -> Pace:
+def radau_again(body: Body, physics: Physics, tolerance: float, pace: Pace, moment: float) -> Pace:
     """How to repeat a step in which an event was found, if it is to be repeated, else AFRESH.
 
-    A step that ends just beyond the event errs less by orders of magnitude. Of a grip or a slip as faint as the error
-    a shorter step shows whether it ends at all.
+    A step that ends just beyond the event errs less by orders of magnitude. Of a grip or a slip that the error blurs a
+    shorter step shows when it ends, and whether it does.
 
     Parameters
     ----------
@@ -217,7 +237,6 @@ def radau_again(
         What :func:`collocate` said of the step.
     moment : float
         Of the event, time into the step.
-    series : (ROWS, WIDTH) array
 
     Returns
     -------
@@ -225,19 +244,41 @@ def radau_again(
     """
     if pace.error > 0.0 and moment > _SHORTEST:
         if moment < _EARLY * pace.span:
-            return Pace(_BEYOND * moment, pace.span, 0.0, pace.error)
-        if _clearance(body, physics, series) < _CLEAR * pace.error * tolerance:
-            return Pace(0.5 * pace.span, pace.span, 0.0, pace.error)
+            return Pace(_BEYOND * moment, pace.span, 0.0, pace.error, 0.0)
+        if _BLUR * _clearance(body, physics) < pace.error * tolerance:
+            return Pace(0.5 * pace.span, pace.span, 0.0, pace.error, 0.0)
     return AFRESH
 
 
 @compiled
-def _clearance(body: Body, physics: Physics, series: NDArray[np.float64]) -> float:
-    """How far a grip is from breaking, in force, or a slip from stopping, in speed, at the start of a step."""
-    if body.motion != STUCK:
-        return abs(body.foot_velocity)
-    pull = series[FORCE, 0] + physics.foot_fraction * physics.slope
+def _clearance(body: Body, physics: Physics) -> float:
+    """How far a grip is from breaking, in force, or a slip from stopping, in the rate of the body."""
+    if body.motion == STUCK:
+        return _grip(physics, force(physics, body.deformation, body.velocity, body.pressure))
+    return abs(body.foot_velocity) / physics.payload_fraction
+
+
+@compiled
+def _grip(physics: Physics, pull: float) -> float:
+    """How far the grip of a resting foot is from breaking under the force `pull`; negative beyond."""
+    pull += physics.foot_fraction * physics.slope
     return physics.static_friction + (pull if physics.ratchet else -abs(pull))
+
+
+@compiled
+def _widest(
+    body: Body, physics: Physics, method: int, stages: int, length: float, series: NDArray[np.float64]
+) -> float:
+    """The largest clearance in the step that has been solved."""
+    widest = _clearance(body, physics)
+    for i in range(1, stages + 1):
+        if body.motion == STUCK:
+            clearance = _grip(physics, series[STAGE_F, i])
+        else:
+            speed = foot_velocity_at(body, physics, series[STAGE_V, i], _NODES[method, i] * length)
+            clearance = abs(speed) / physics.payload_fraction
+        widest = max(widest, clearance)
+    return widest
 
 
 @compiled

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..validation import known_names, number_within, whole_number
+from ..validation import known_names, number_within, truth_value, whole_number
 
 __all__ = ["Scene"]
 
@@ -57,8 +57,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         for name in ("anchored", "ratchet"):
-            if not isinstance(getattr(self, name), bool):
-                raise TypeError(f"scene {name} must be True or False, got {getattr(self, name)!r}")
+            object.__setattr__(self, name, truth_value(f"scene {name}", getattr(self, name)))
         object.__setattr__(self, "slope", number_within("scene slope", self.slope, "(-inf, inf)"))
         object.__setattr__(self, "segments", whole_number("scene segments", self.segments, 1, _MOST_SEGMENTS))
         object.__setattr__(self, "tube_mass", number_within("scene tube_mass", self.tube_mass, "[0, inf)"))

@@ -1,7 +1,8 @@
 """Gymnasium environments of the crawler."""
 
 from .crawler import StickSlipCrawlerEnv
+from .state import CrawlerState
 from .tiling import tile
 from .vector import StickSlipCrawlerVectorEnv
 
-__all__ = ["StickSlipCrawlerEnv", "StickSlipCrawlerVectorEnv", "tile"]
+__all__ = ["CrawlerState", "StickSlipCrawlerEnv", "StickSlipCrawlerVectorEnv", "tile"]

@@ -11,9 +11,10 @@ from ..crawler import Groups
 from ..crawler.body import Body, Physics
 from ..crawler.control import Control, FINISHED, Method, METHODS
 from ..crawler.lanes import advance_lanes
+from ..generators import next_uniform
 from ..lanes import aligned_zeros, LANES
 from ..reservoir.prequential_lanes import Readouts, score_lanes
-from .settings import COUNTS, FLIPS, NUMBERS
+from .settings import COUNTS, NUMBERS
 
 __all__ = ["STEP_BATCH", "Batch", "Results", "Reward", "batch_of"]
 
@@ -29,8 +30,7 @@ class Batch(NamedTuple):
     bodies: Array  # (7, width): the fields of `Body`
     coefficients: Array  # (11, width): the fields of `Physics`
     samples: Array  # (3, samples, width): z, v, p in the last hold
-    flips: NDArray[np.bool_]  # (n, FLIPS): of the coming commands
-    drawn: NDArray[np.int64]  # (n,): flips used up
+    generators: NDArray[np.uint64]  # (2, n): where the random numbers come from, see `stickslip.generators`
     valves: NDArray[np.int64]  # (width,): in the last hold
     starts: Array  # (width,): where the foot was before it
     scores: Array  # (width,): innovations, then what they earned
@@ -65,8 +65,7 @@ def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
         aligned_zeros(len(Body._fields), width),
         aligned_zeros(len(Physics._fields), width),
         aligned_zeros(3, samples, width),
-        np.zeros((count, FLIPS), np.bool_),
-        np.full(count, FLIPS),
+        np.zeros((2, count), np.uint64),
         np.zeros(width, np.int64),
         aligned_zeros(width),
         aligned_zeros(width),
@@ -140,9 +139,9 @@ def _step_batch(
             if idle[i]:
                 continue
             valve = commands[i]
-            if dither > 0.0:
-                valve ^= batch.flips[i, batch.drawn[i]]
-                batch.drawn[i] += 1
+            function, generator = batch.generators[0, i], batch.generators[1, i]
+            if function != 0 and next_uniform(function, generator) < dither:
+                valve = 1 - valve
             batch.valves[i] = valve
             batch.starts[i] = batch.bodies[_FOOT, i]
             batch.scores[i] = valve - abs(commands[i] - dither)

@@ -2,6 +2,7 @@
 
 import operator
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from typing import Any, Literal
 
 import gymnasium as gym
@@ -10,22 +11,22 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from ..crawler import GroupsLike, Scene
-from ..crawler.body import STUCK
+from ..crawler import Groups, GroupsLike, Scene
 from ..crawler.control import FINISHED, MAX_STEPS
 from ..crawler.simulation import solver_error
+from ..generators import whereabouts
 from ..reservoir.prequential import PrequentialMemory
 from .calibration import calibrated_memory
 from .rendering import Frame, Renderer
-from .settings import begun, FLIPS, Settings
-from .stepping import calibration_states, rest, stepper_for
+from .settings import begun, CRAWLER_OPTIONS, known_options, Settings
+from .specification import Specified
+from .state import CrawlerState, refuse_foreign
+from .stepping import calibration_states, NO_MEMORY, rest, stepper_for, TOLD, TOLD_OF_STATE
 
 __all__ = ["StickSlipCrawlerEnv"]
 
-_FOOT = 3  # in the body's array
 
-
-class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
+class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
     r"""
     ## Description
 
@@ -69,15 +70,19 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
     `(1 - memory_weight) * speed + memory_weight * memory`, with both terms in `info`.
 
     - *speed*: distance that the foot travelled in the hold, over the hold's length, z_c / t_c.
-    - *memory*: $\sum_d (e_{k-d}^2 - (e_{k-d} - \hat e_{k-d})^2) / \mathrm{Var}\,e$ over `delays` delays from 0, where
-      $\hat e_{k-d}$ is read from the deformation, rate and pressure at `virtual_nodes` instants of the hold by a
-      recursive least-squares readout that has not yet learned $e_{k-d}$. Its mean tends to the memory capacity. Every
-      episode starts from the same calibrated readout. Without dither there is no message, and this term is 0.
+    - *memory*: $\sum_d (e_{k-d}^2 - (e_{k-d} - \hat e_{k-d})^2 / (1 + h_d)) / \mathrm{Var}\,e$ over `delays` delays
+      from 0, where $\hat e_{k-d}$ is read from the deformation, rate and pressure at `virtual_nodes` instants of the
+      hold by a recursive least-squares readout that has not yet learned $e_{k-d}$. Its mean tends to the memory
+      capacity. Every episode starts with a readout that knows nothing; the leverages $h_d$ make up for what it still
+      lacks (`docs/reward.md`). Without dither there is no message, and this term is 0.
 
     ## Starting State
 
     At rest, with the valve shut and the foot at 0. What `randomize` names is drawn uniformly from its range at every
-    reset.
+    reset; `reset(options={"groups": ..., "slope": ...})` settles an episode's crawler. `get_state` and `set_state`
+    save a crawler in the middle of an episode and go on from there, here or in a batch.
+
+    Each step draws one number from `np_random`, whether the command is flipped, and nothing else does but `randomize`.
 
     ## Episode End
 
@@ -157,10 +162,12 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         self.observation_space = self.settings.observation_space()
 
         self._samples = np.empty((5, self.settings.samples))
-        self._states = self._samples[:3].reshape(-1)
+        self._told = np.empty(TOLD)
         self._memory: PrequentialMemory | None = None
+        self._drawn_from: np.random.Generator | None = None
+        self._whereabouts = 0, 0
         self._renderer: Renderer | None = None
-        self._frame: Frame | None = None
+        self._readout = NO_MEMORY
         self._body: NDArray[np.float64] | None = None
 
     def reset(
@@ -173,33 +180,32 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         seed : int, optional
             Of the flips and of the groups drawn.
         options : dict, optional
-            None is known.
+            Of this episode: ``"groups"``, a mapping of what differs from its groups as they are drawn, or all of them
+            by a preset's name, `Groups` or an `Actuator`; and ``"slope"``.
 
         Returns
         -------
         observation : (5,) array of float32
         info : dict
+
+        Raises
+        ------
+        ValueError, TypeError
+            If an option is unknown or wrong; nothing is reset then.
         """
+        choice = self.settings.choose(**known_options(options, CRAWLER_OPTIONS))
         super().reset(seed=seed)
-        if seed is not None or self._body is None:
-            self._flips: list[bool] = []
-        settings = self.settings
-        if settings.dither > 0.0:
-            if self._memory is None:
-                self._memory = calibrated_memory(settings, calibration_states(settings))
+        self._calibrate()
+        if self._memory is not None:
             self._memory.reset()
-        self.episode_groups, self.episode_scene = settings.draw(self.np_random)
-        self._stepper = stepper_for(
-            self.episode_groups, self.episode_scene, settings.hold, settings.tolerance, settings.samples
-        )
+            self._readout = self._memory.arrays
+        self._settle(*self.settings.draw(self.np_random, choice))
         self._body = rest()
+        self._told[:] = 0.0
         self._steps = 0
-        self._frame = Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
         if self.render_mode == "human":
             self.render()
-        info = begun(self.episode_groups, self.episode_scene)
-        self._groups, self._slope = info["groups"].copy(), info["slope"]
-        return np.zeros(5, np.float32), info
+        return np.zeros(5, np.float32), begun(self.episode_groups, self.episode_scene)
 
     def step(self, action: int | np.integer) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Hold the valve as commanded, or flipped, for one hold.
@@ -228,52 +234,51 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
         SolverError
             If the motion diverges.
         """
-        body, settings = self._body, self.settings
+        body = self._body
         if body is None:
             raise ResetNeeded("step needs a call of reset first")
         command = self._command(action)
-        valve = command ^ self._flip()
-        start = float(body[_FOOT])
+        if self._np_random is not self._drawn_from:
+            self._draw_from(self.np_random)
         observation = np.empty(5, np.float32)
-        hold_valve, fixed, workspace, solver = self._stepper
-        status, elapsed = hold_valve(body, fixed, valve, self._samples, workspace, observation)
+        step, fixed, workspace, solver = self._stepper
+        status = step(
+            body,
+            fixed,
+            command,
+            *self._whereabouts,
+            self._samples,
+            workspace,
+            observation,
+            self._told,
+            *self._readout,
+            self._steps + 1,
+        )
+        speed, memory, distance, innovation, reward, valve, slips, elapsed = self._told.tolist()
         if status != FINISHED:
             self._body = None
-            reached = self._steps * settings.hold + elapsed
-            crawler = self.episode_groups, self.episode_scene, settings.tolerance
+            reached = self._steps * self.settings.hold + elapsed
+            crawler = self.episode_groups, self.episode_scene, self.settings.tolerance
             raise solver_error(status, reached, float(body[0]), MAX_STEPS, *crawler, solver)
         self._steps += 1
-
-        deformation, _, pressure, foot, _, motion, slips = body.tolist()
-        speed = (foot - start) / settings.hold
-        innovation = valve - abs(command - settings.dither)
-        memory = 0.0 if self._memory is None else self._memory.score(self._states, innovation)
-        reward = (1.0 - settings.memory_weight) * speed + settings.memory_weight * memory
-        if self.render_mode is not None:
-            self._frame = Frame(
-                self._steps * settings.hold,
-                deformation,
-                pressure,
-                foot,
-                int(motion),
-                foot != start,
-                valve,
-                speed,
-                None if self._memory is None else memory,
-            )
-            if self.render_mode == "human":
-                self.render()
+        if self.render_mode == "human":
+            self.render()
         info = {
             "speed": speed,
             "memory": memory,
-            "distance": foot,
+            "distance": distance,
             "innovation": innovation,
-            "valve": valve,
+            "valve": int(valve),
             "slips": int(slips),
             "groups": self._groups.copy(),  # the caller keeps it
             "slope": self._slope,
         }
         return observation, reward, False, False, info
+
+    @staticmethod
+    def get_keys_to_action() -> dict[tuple[int, ...], int]:
+        """Keys and actions for `gymnasium.utils.play`: the space bar opens the valve."""
+        return {(ord(" "),): 1}
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draw the crawler as it is now.
@@ -294,11 +299,83 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
                 'make the environment with gym.make("StickSlipCrawler-v0", render_mode="rgb_array")'
             )
             return None
-        if self._frame is None:
+        body = self._body
+        if body is None:
             raise ResetNeeded("render needs a call of reset first")
         if self._renderer is None:
             self._renderer = Renderer(self.render_mode, self.metadata["render_fps"])
-        return self._renderer.draw(self._frame)
+        speed, memory, distance, _, valve, _ = self._told[TOLD_OF_STATE].tolist()
+        frame = Frame(
+            self._steps * self.settings.hold,
+            float(body[0]),
+            float(body[2]),
+            distance,
+            int(body[5]),
+            speed != 0.0,
+            int(valve),
+            speed,
+            None if self._memory is None or self._steps == 0 else memory,
+        )
+        return self._renderer.draw(frame)
+
+    def get_state(self, *, generator: bool = True) -> CrawlerState:
+        """State of the crawler in its episode, from which any environment of the same arguments can go on.
+
+        A time limit that `gymnasium.make` has put around the environment counts on its own.
+
+        Parameters
+        ----------
+        generator : bool
+            Whether the generator of the flips to come is a part of it.
+
+        Returns
+        -------
+        CrawlerState
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            If there is no episode.
+        """
+        if self._body is None:
+            raise ResetNeeded("get_state needs a call of reset first")
+        return CrawlerState(
+            self.settings,
+            self.episode_groups,
+            self.episode_scene,
+            self._body.copy(),
+            self._steps,
+            self._told[TOLD_OF_STATE],
+            () if self._memory is None else self._memory.packed(),
+            False,
+            deepcopy(self.np_random) if generator else None,
+            self.np_random_seed if generator else None,
+        )
+
+    def set_state(self, state: CrawlerState) -> None:
+        """Go on from a state, to the last bit; its flips are the same too if it has a generator.
+
+        Parameters
+        ----------
+        state : CrawlerState
+            Of an environment, single or in a batch, of the same arguments.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is none, or of an environment of other arguments, or of another version; nothing is set then.
+        """
+        refuse_foreign(state, self.settings)
+        self._calibrate()
+        self._settle(state.groups, state.scene)
+        if self._memory is not None:
+            self._memory.unpack(state.readout, state.steps)
+            self._readout = self._memory.arrays
+        self._body = state.body.copy()
+        self._told[TOLD_OF_STATE] = state.told
+        self._steps = state.steps
+        if state.generator is not None:
+            self._np_random, self._np_random_seed = deepcopy(state.generator), state.seed
 
     def close(self) -> None:
         """Close the window, if there is one."""
@@ -308,27 +385,32 @@ class StickSlipCrawlerEnv(gym.Env[NDArray[np.float32], np.int64]):
 
     def __getstate__(self) -> dict[str, Any]:
         # A window cannot be copied; the copy opens its own.
-        return {**self.__dict__, "_renderer": None}
+        # Its generator lies elsewhere.
+        return {**self.__dict__, "_renderer": None, "_drawn_from": None}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._states = self._samples[:3].reshape(-1)  # a view, of which the copy was made apart
+    def _calibrate(self) -> None:
+        if self._memory is None and self.settings.dither > 0.0:
+            self._memory = calibrated_memory(self.settings, calibration_states(self.settings))
 
-    def _flip(self) -> bool:
-        """Whether the next command is flipped."""
-        if self.settings.dither == 0.0:
-            return False
-        if not self._flips:
-            self._flips = (self.np_random.random(FLIPS) < self.settings.dither)[::-1].tolist()
-        return self._flips.pop()
+    def _settle(self, groups: Groups, scene: Scene) -> None:
+        """Who crawls where in the episode."""
+        self.episode_groups, self.episode_scene = groups, scene
+        self._groups, self._slope = groups.to_dict(), scene.slope
+        self._stepper = stepper_for(self.settings, groups, scene)
+
+    def _draw_from(self, generator: np.random.Generator) -> None:
+        self._drawn_from = generator
+        if self.settings.dither > 0.0:
+            self._whereabouts = whereabouts(generator)
 
     @staticmethod
     def _command(action: int | np.integer) -> int:
         """`action` as an int; quicker than the space's own test, which costs as much as the physics."""
         try:
             command = operator.index(action)
-        except TypeError:
-            command = -1
+        except TypeError:  # NumPy's bool is no index, though Python's is
+            truth = isinstance(action, np.bool_ | np.ndarray) and action.dtype == np.bool_ and action.ndim == 0
+            command = int(action) if truth else -1
         if command not in (0, 1):
             raise ValueError(f"action must be 0 or 1, got {action!r}")
         return command

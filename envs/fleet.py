@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
+from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -19,12 +20,14 @@ from ..crawler.linear import is_linear
 from ..crawler.simulation import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
 from ..crawler.workspace import ROWS, WIDTH
+from ..generators import whereabouts
 from ..lanes import aligned_zeros, LANES
-from ..reservoir.prequential_lanes import blank_readouts, forget, Readouts, readouts_of
+from ..reservoir.prequential_lanes import blank_readouts, forget, packed, Readouts, readouts_of, unpack
 from .batch import batch_of, Reward, STEP_BATCH
-from .calibration import calibrated_memory, calibration_commands
+from .calibration import calibrated_memory, calibration_valves
 from .rendering import Frame
-from .settings import COUNTS, FLIPS, NUMBERS, Settings
+from .settings import Choice, COUNTS, NUMBERS, Settings
+from .state import CrawlerState, observation_of
 from .stepping import Stepper, stepper_for
 
 __all__ = ["Fleet"]
@@ -65,9 +68,12 @@ class Fleet:
         See `Batch` and `Results`.
     crawlers : list of (Groups, Scene)
         Of the episodes.
+    named : list of (dict, float)
+        The same by name: the groups and the slope.
     generators : list of numpy.random.Generator
-        Of each crawler's draws; None before the first episode.
+        Of each crawler's draws; None where none was asked for yet. Set by `draw_from`.
     seeds : list of int
+        -1 where a generator was given.
     """
 
     def __init__(self, kinds: Sequence[Settings], kind: NDArray[np.int64], longest: int, threads: int) -> None:
@@ -80,7 +86,9 @@ class Fleet:
         self.generators: list[Any] = [None] * count
         self.seeds: list[int | None] = [None] * count
         self.crawlers = [(kinds[each].groups, settings.scene) for each in kind.tolist()]
+        self.named: list[tuple[dict[str, float], float]] = [({}, 0.0)] * count
         self._solvers = np.full(count, "", np.dtype("U11"))
+        self._strange = np.zeros(count, np.bool_)  # whose episodes have crawlers that the kinds do not tell
         self._tables: NDArray[np.float64] | None = None
         self._readouts: Readouts | None = None
 
@@ -103,7 +111,9 @@ class Fleet:
         self._process = os.getpid()
         self._names: Sequence[int] | NDArray[np.int64] = range(count)  # in messages
 
-    def begin(self, mask: NDArray[np.bool_], seeds: Sequence[int | None]) -> None:
+    def begin(
+        self, mask: NDArray[np.bool_], seeds: Sequence[int | None], choices: Sequence[Choice] | None = None
+    ) -> None:
         """Start the episodes of the crawlers in the mask.
 
         Parameters
@@ -111,6 +121,8 @@ class Fleet:
         mask : (crawlers,) array of bool
         seeds : (crawlers,) sequence
             None goes on with the random numbers as they come.
+        choices : (crawlers,) sequence, optional
+            What is settled of the crawlers of these episodes.
 
         Raises
         ------
@@ -118,19 +130,29 @@ class Fleet:
             If a motion diverges while its memory readout is calibrated.
         """
         for i in np.flatnonzero(mask).tolist():
-            if seeds[i] is not None or self.generators[i] is None:
-                self.generators[i], self.seeds[i] = seeding.np_random(seeds[i])
-                self.batch.drawn[i] = FLIPS
-        if self._readouts is None and self._settings.dither > 0.0:
-            states = _calibration_states(self._kinds, np.unique(self._kind, return_index=True)[1])
-            memories = [calibrated_memory(kind, seen) for kind, seen in zip(self._kinds, states, strict=True)]
-            self._readouts = readouts_of(memories, self._kind)
-        self.begin_again(mask)
+            if seeds[i] is not None:
+                self.draw_from(i, *seeding.np_random(seeds[i]))
+        self.want_generators()
+        self._calibrate()
+        self.begin_again(mask, choices)
 
-    def begin_again(self, mask: NDArray[np.bool_]) -> None:
+    def want_generators(self) -> None:
+        """Give a generator, seeded by chance, to each crawler that has none."""
+        for i, generator in enumerate(self.generators):
+            if generator is None:
+                self.draw_from(i, *seeding.np_random())
+
+    def draw_from(self, i: int, generator: np.random.Generator, seed: int | None) -> None:
+        """Let the random numbers of a crawler come from a generator: one for what is drawn of it, one a step."""
+        self.generators[i], self.seeds[i] = generator, seed
+        if self._settings.dither > 0.0:
+            self.batch.generators[:, i] = whereabouts(generator)
+
+    def begin_again(self, mask: NDArray[np.bool_], choices: Sequence[Choice] | None = None) -> None:
         """Start further episodes of the crawlers in the mask."""
-        if self._settings.randomize or self._solvers[0] == "":
-            self._draw(np.flatnonzero(mask).tolist())
+        unsettled = mask & (self._strange | (self._solvers == ""))
+        if self._settings.randomize or choices is not None or np.count_nonzero(unsettled):
+            self._draw(np.flatnonzero(mask).tolist(), choices)
         self.batch.bodies[:, : len(mask)][:, mask] = 0.0
         self.batch.steps[mask] = 0
         self.results.observations[mask] = 0.0
@@ -153,7 +175,6 @@ class Fleet:
         SolverError
             If a motion diverges.
         """
-        self._draw_flips(idle)
         self._interrupted = False
         first, *rest = self._slices
         others = [self._threads().submit(self._step_slice, commands, idle, each) for each in rest]
@@ -169,7 +190,6 @@ class Fleet:
             other.result()
         if np.count_nonzero(self.results.statuses):
             failed = np.flatnonzero(self.results.statuses)
-            self.batch.drawn[failed] = FLIPS  # as a single environment, which draws new ones after an error
             raise self._error(int(failed[0]))
 
     def frame(self, i: int) -> Frame:
@@ -178,15 +198,16 @@ class Fleet:
         if steps == 0:
             return Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
         body = Body(*self.batch.bodies[:, i].tolist())
+        speed = float(told.numbers[NUMBERS.index("speed"), i])
         return Frame(
             steps * self._settings.hold,
             body.deformation,
             body.pressure,
             body.foot,
             int(body.motion),
-            body.foot != self.batch.starts[i],
+            speed != 0.0,
             int(told.counts[COUNTS.index("valve"), i]),
-            float(told.numbers[NUMBERS.index("speed"), i]),
+            speed,
             None if self._readouts is None else float(told.numbers[NUMBERS.index("memory"), i]),
         )
 
@@ -200,19 +221,36 @@ class Fleet:
         # Threads cannot be copied; the copy starts its own.
         return {**self.__dict__, "_executor": None}
 
-    def _draw(self, indices: list[int]) -> None:
-        """Settle who crawls where in the episodes to come, and which solver takes whom."""
-        settings = self._settings
-        solving: dict[tuple[Groups, Scene], Stepper] = {}
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for i, generator in enumerate(self.generators):  # which lie elsewhere than those copied
+            if generator is not None:
+                self.draw_from(i, generator, self.seeds[i])
+
+    def _draw(self, indices: list[int], choices: Sequence[Choice] | None) -> None:
+        """Settle who crawls where in the episodes to come."""
+        crawlers = []
         for i in indices:
-            crawler = self._kinds[self._kind[i]].draw(self.generators[i])
+            kind = self._kinds[self._kind[i]]
+            crawlers.append(kind.draw(self.generators[i], *(() if choices is None else (choices[i],))))
+            self._strange[i] = choices is not None
+        self._settle(indices, crawlers)
+
+    def _settle(self, indices: list[int], crawlers: Sequence[tuple[Groups, Scene]]) -> None:
+        """Let these crawlers be others, each solved by what solves it best."""
+        settings = self._settings
+        if self._alike and self._strange.any():
+            self._alike = False
+            if self._tables is not None:
+                self._tables = np.repeat(self._tables, len(self._kind), axis=0)
+        solving: dict[tuple[Groups, Scene], Stepper] = {}
+        for i, crawler in zip(indices, crawlers, strict=True):
             if crawler not in solving:
-                solving[crawler] = stepper_for(
-                    crawler[0], crawler[1], settings.hold, settings.tolerance, settings.samples
-                )
+                solving[crawler] = stepper_for(settings, *crawler)
             stepper = solving[crawler]
-            self.crawlers[i] = crawler
-            self.results.numbers[len(NUMBERS) :, i] = *crawler[0].to_dict().values(), crawler[1].slope
+            groups, slope = crawler[0].to_dict(), crawler[1].slope
+            self.crawlers[i], self.named[i] = crawler, (groups, slope)
+            self.results.numbers[len(NUMBERS) :, i] = *groups.values(), slope
             self.batch.coefficients[:, i] = stepper.fixed[: len(self.batch.coefficients)]
             self._solvers[i] = stepper.solver
             if stepper.solver == "closed_form":
@@ -226,13 +264,61 @@ class Fleet:
             for name in names
         ]
 
-    def _draw_flips(self, idle: NDArray[np.bool_]) -> None:
-        """Draw the flips of those who have used theirs up, at the step at which a single environment does."""
-        if self._settings.dither > 0.0:
-            empty = self.batch.drawn == FLIPS
-            for i in np.flatnonzero(empty & ~idle).tolist() if np.count_nonzero(empty) else ():
-                self.batch.flips[i] = self.generators[i].random(FLIPS) < self._settings.dither
-                self.batch.drawn[i] = 0
+    def save(self, i: int, over: bool, generator: bool) -> CrawlerState:
+        """State of crawler `i`, as it is known from outside whether its episode is over."""
+        groups, scene = self.crawlers[i]
+        return CrawlerState(
+            self.settings_of_each[i],
+            groups,
+            scene,
+            self.batch.bodies[:, i].copy(),
+            int(self.batch.steps[i]),
+            np.array([*self.results.numbers[: len(NUMBERS), i], *self.results.counts[:, i]]),
+            () if self._readouts is None else packed(self._readouts, i),
+            over,
+            deepcopy(self.generators[i]) if generator else None,
+            self.seeds[i] if generator else None,
+        )
+
+    def restore(self, states: Sequence[CrawlerState | None]) -> None:
+        """Let each crawler go on from its state, if it has one."""
+        self._calibrate()
+        self.want_generators()
+        whose: dict[int, list[int]] = {}  # many may branch from one
+        for i, state in enumerate(states):
+            if state is not None:
+                whose.setdefault(id(state), []).append(i)
+        for indices in whose.values():
+            state = states[indices[0]]
+            assert state is not None
+            crawler = state.groups, state.scene
+            self._strange[indices] = [crawler != (kind.groups, kind.scene) for kind in self._kinds_of(indices)]
+            others = [i for i in indices if self._solvers[i] == "" or self.crawlers[i] != crawler]
+            self._settle(others, [crawler] * len(others))
+            self.batch.bodies[:, indices] = state.body[:, np.newaxis]
+            self.batch.steps[indices] = state.steps
+            self.results.observations[indices] = observation_of(state)
+            self.results.numbers[: len(NUMBERS), indices] = state.told[: len(NUMBERS), np.newaxis]
+            self.results.counts[:, indices] = state.told[len(NUMBERS) :, np.newaxis]
+            if self._readouts is not None:
+                unpack(self._readouts, indices, state.readout, state.steps)
+            if state.generator is not None:
+                for i in indices:
+                    self.draw_from(i, deepcopy(state.generator), state.seed)
+
+    @property
+    def settings_of_each(self) -> list[Settings]:
+        """Arguments of each crawler."""
+        return self._kinds_of(range(len(self._kind)))
+
+    def _kinds_of(self, indices: Sequence[int]) -> list[Settings]:
+        return [self._kinds[k] for k in self._kind[list(indices)].tolist()]
+
+    def _calibrate(self) -> None:
+        if self._readouts is None and self._settings.dither > 0.0:
+            states = _calibration_states(self._kinds, np.unique(self._kind, return_index=True)[1])
+            memories = [calibrated_memory(kind, seen) for kind, seen in zip(self._kinds, states, strict=True)]
+            self._readouts = readouts_of(memories, self._kind)
 
     def _threads(self) -> ThreadPoolExecutor:
         if self._executor is None or self._process != os.getpid():  # a forked process has none of its parent's threads
@@ -278,7 +364,7 @@ class Fleet:
 
 
 def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> NDArray[np.float64]:
-    """States of the bodies under the calibration's commands, from rest, shape (kinds, holds, features).
+    """States of the bodies under the calibration's valves, from rest, shape (kinds, holds, features).
 
     An error names a sub-environment of the kind.
     """
@@ -288,11 +374,11 @@ def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> 
     # With readouts, though blank, the kernel is the one that is compiled for the episodes.
     fleet._readouts = blank_readouts(count, settings.delays, settings.features + 1, 1.0)
     fleet.begin(np.ones(count, np.bool_), [0] * count)
-    _, valves = calibration_commands(settings)
+    fleet.batch.generators[:] = 0  # which flip none
+    valves = calibration_valves(settings)
     states = np.empty((count, len(valves), settings.features))
     idle = np.zeros(count, np.bool_)
     for k, valve in enumerate(valves.tolist()):
-        fleet.batch.drawn[:] = 0  # and none of the flips there is true
         fleet.step(np.full(count, valve), idle)
         states[:, k] = fleet.batch.samples.reshape(settings.features, -1)[:, :count].T
     return states

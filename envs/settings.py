@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from gymnasium import spaces
@@ -13,10 +13,7 @@ from ..crawler.groups import RANGES
 from ..crawler.simulation import TOLERANCES
 from ..validation import known_names, number_within, whole_number
 
-__all__ = ["COUNTS", "FLIPS", "NUMBERS", "Settings", "begun"]
-
-# Flips are drawn from the generator this many at a time, which costs a tenth of drawing each alone.
-FLIPS = 256
+__all__ = ["COUNTS", "CRAWLER_OPTIONS", "NUMBERS", "Choice", "Settings", "begun", "known_options"]
 
 # Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
 _HOLDS = "(0, 10000]"
@@ -24,9 +21,22 @@ _HOLDS = "(0, 10000]"
 _MOST = 1000
 _SLOPE = "slope"
 
+CRAWLER_OPTIONS = ("groups", _SLOPE)
+"""Options of a reset that say who crawls where in the episode."""
+
 NUMBERS = ("speed", "memory", "distance", "innovation")
 COUNTS = ("valve", "slips")
 """What `reset` and `step` tell beside the crawler's groups and the slope: floats, and whole numbers."""
+
+
+class Choice(NamedTuple):
+    """What the options of a reset settle of the episode's crawler."""
+
+    groups: Mapping[str, float]
+    slope: float | None
+
+
+_NOTHING = Choice({}, None)
 
 
 @dataclass(frozen=True)
@@ -98,6 +108,11 @@ class Settings:
         """Of the body in a hold: where there is no message nobody reads them, and one is enough."""
         return self.virtual_nodes if self.dither > 0.0 else 1
 
+    @property
+    def variance(self) -> float:
+        """Var e of the message."""
+        return self.dither * (1.0 - self.dither)
+
     def observation_space(self) -> spaces.Space[NDArray[np.float32]]:
         """Space of deformation, rate, pressure, foot velocity and valve."""
         backward = 0.0 if self.scene.ratchet or self.scene.anchored else -np.inf
@@ -107,13 +122,55 @@ class Settings:
         )
         return space
 
-    def draw(self, generator: np.random.Generator) -> tuple[Groups, Scene]:
-        """Crawler and world of an episode."""
-        if not self.randomize:
+    def choose(self, groups: GroupsLike | None = None, slope: float | None = None) -> Choice:
+        """Check what the options of a reset say of the episode's crawler.
+
+        Parameters
+        ----------
+        groups : Groups, str, mapping, Actuator or None
+            A mapping changes what it names; anything else but None settles all.
+        slope : float or None
+
+        Raises
+        ------
+        ValueError, TypeError
+            If one is out of range, in whatever episode is drawn, or of the wrong type; the message names it.
+        """
+        if isinstance(groups, Mapping):
+            known_names("groups", groups, RANGES)
+            chosen = {name: number_within(name, value, RANGES[name]) for name, value in groups.items()}
+        else:
+            chosen = {} if groups is None else Groups.of(groups).to_dict()
+        _worst(self.groups, {**self.randomize, **{name: (value, value) for name, value in chosen.items()}})
+        return Choice(chosen, None if slope is None else number_within(_SLOPE, slope, "(-inf, inf)"))
+
+    def draw(self, generator: np.random.Generator, choice: Choice = _NOTHING) -> tuple[Groups, Scene]:
+        """Crawler and world of an episode; as many numbers are drawn whatever is chosen."""
+        if not self.randomize and choice is _NOTHING:
             return self.groups, self.scene
         drawn = {name: float(generator.uniform(low, high)) for name, (low, high) in self.randomize.items()}
         slope = drawn.pop(_SLOPE, self.scene.slope)
-        return replace(self.groups, **drawn), replace(self.scene, slope=slope)
+        if choice.slope is not None:
+            slope = choice.slope
+        return replace(self.groups, **{**drawn, **choice.groups}), replace(self.scene, slope=slope)
+
+
+def known_options(options: dict[str, Any] | None, allowed: Sequence[str]) -> dict[str, Any]:
+    """Options of a reset.
+
+    Raises
+    ------
+    TypeError
+        If they are neither a mapping nor None.
+    ValueError
+        If one is unknown.
+    """
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise TypeError(f"options must be a dict or None, got {options!r}")
+    known_names("options", options, allowed)
+    return dict(options)
 
 
 def begun(groups: Groups, scene: Scene) -> dict[str, Any]:
@@ -130,7 +187,7 @@ def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> 
     allowed = {**RANGES, _SLOPE: "(-inf, inf)"}
     known_names("randomize", randomize, allowed)
     for name, given in randomize.items():
-        if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
+        if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
             raise ValueError(f"randomize {name} must be a pair (low, high), got {given!r}")
     ranges = {}
     for name, interval in allowed.items():
@@ -139,10 +196,14 @@ def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> 
             if low > high or high - low == np.inf:
                 raise ValueError(f"randomize {name} must be a pair with low <= high, got {randomize[name]!r}")
             ranges[name] = (low, high)
-    # The one range that depends on another group: the worst draw of both is refused here, not in some later episode.
+    _worst(groups, ranges)
+    return ranges
+
+
+def _worst(groups: Groups, ranges: Mapping[str, tuple[float, float]]) -> None:
+    """Refuse the worst draw of the one range that depends on another group here, not in some later episode."""
     replace(
         groups,
         static_friction=ranges.get("static_friction", (groups.static_friction,))[0],
         kinetic_friction=ranges.get("kinetic_friction", (groups.kinetic_friction,))[-1],
     )
-    return ranges

@@ -18,76 +18,102 @@ from ..crawler.groups import Groups
 from ..crawler.scene import Scene
 from ..crawler.simulation import solver_error
 from ..crawler.solvers import AUTO, choose
-from .calibration import calibration_commands
+from ..generators import next_uniform
+from ..reservoir.prequential import score
+from .calibration import calibration_valves
 from .settings import Settings
 
-__all__ = ["Stepper", "calibration_states", "rest", "stepper_for"]
+__all__ = ["NO_MEMORY", "TOLD", "TOLD_OF_STATE", "Stepper", "calibration_states", "rest", "stepper_for"]
 
+_FOOT, _SLIPS = 3, 6  # in `Body`
 _BODY = len(Body._fields)
-_PHYSICS = len(Physics._fields)
+_HOLD, _TOLERANCE, _ORDER, _MAX_STEPS, _DITHER, _WEIGHT, _VARIANCE = range(
+    len(Physics._fields), len(Physics._fields) + 7
+)
+_SPEED, _MEMORY, _DISTANCE, _INNOVATION, _REWARD, _VALVE, _SLIPS_SO_FAR, _ELAPSED = range(8)
+
+TOLD = 8
+"""Numbers that a step writes down."""
+
+TOLD_OF_STATE = [_SPEED, _MEMORY, _DISTANCE, _INNOVATION, _VALVE, _SLIPS_SO_FAR]
+"""Those of them that are told, in the order of NUMBERS and COUNTS."""
+
+NO_MEMORY = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
+"""Arrays of a readout that neither scores nor learns."""
+
+Array = NDArray[np.float64]
 
 
 class Stepper(NamedTuple):
     """How one crawler is stepped, and what stays the same from step to step."""
 
-    hold_valve: Callable[..., tuple[int, float]]
-    fixed: NDArray[np.float64]  # the fields of `Physics`, then hold, tolerance, order and step budget
-    workspace: NDArray[np.float64]
+    step: Callable[..., int]
+    fixed: Array  # the fields of `Physics`, hold, tolerance, order, step budget, dither, memory weight and Var e
+    workspace: Array
     solver: str
 
 
-def rest() -> NDArray[np.float64]:
+def rest() -> Array:
     """State of a crawler at rest: the fields of `Body` in order, shape (7,)."""
     return np.zeros(_BODY)
 
 
-def stepper_for(groups: Groups, scene: Scene, hold: float, tolerance: float, virtual_nodes: int) -> Stepper:
+def stepper_for(settings: Settings, groups: Groups, scene: Scene) -> Stepper:
     """The cheapest way to step a crawler, hold by hold."""
     coefficients = physics(groups, scene)
-    solver = choose(AUTO, groups, scene, hold, tolerance)
-    control = solver.control(tolerance)
+    solver = choose(AUTO, groups, scene, settings.hold, settings.tolerance)
+    control = solver.control(settings.tolerance)
+    numbers = settings.hold, control.tolerance, control.order, control.max_steps
     return Stepper(
-        _HOLD_VALVE[type(control.method)],
-        np.array([*coefficients, hold, control.tolerance, control.order, control.max_steps]),
-        solver.workspace(coefficients, hold, virtual_nodes),
+        _STEP[type(control.method)],
+        np.array([*coefficients, *numbers, settings.dither, settings.memory_weight, settings.variance]),
+        solver.workspace(coefficients, settings.hold, settings.samples),
         solver.name,
     )
 
 
-def calibration_states(settings: Settings) -> NDArray[np.float64]:
-    """States of the body under the calibration's commands, from rest, shape (holds, features).
+def calibration_states(settings: Settings) -> Array:
+    """States of the body under the calibration's valves, from rest, shape (holds, features).
 
     Raises
     ------
     SolverError
         If the motion diverges.
     """
-    _, valves = calibration_commands(settings)
-    groups, scene, hold, tolerance = settings.groups, settings.scene, settings.hold, settings.tolerance
-    hold_valve, fixed, workspace, solver = stepper_for(groups, scene, hold, tolerance, settings.samples)
-    body, observation = rest(), np.empty(5, np.float32)
+    valves = calibration_valves(settings)
+    groups, scene = settings.groups, settings.scene
+    step, fixed, workspace, solver = stepper_for(settings, groups, scene)
+    body, observation, told = rest(), np.empty(5, np.float32), np.empty(TOLD)
     samples = np.empty((5, settings.samples))
     states = np.empty((len(valves), settings.features))
     for k, valve in enumerate(valves.tolist()):
-        status, elapsed = hold_valve(body, fixed, valve, samples, workspace, observation)
+        status = step(body, fixed, valve, 0, 0, samples, workspace, observation, told, *NO_MEMORY, 0)
         if status != FINISHED:
-            reached = k * hold + elapsed
-            raise solver_error(status, reached, float(body[0]), MAX_STEPS, groups, scene, tolerance, solver)
+            reached = k * settings.hold + float(told[_ELAPSED])
+            raise solver_error(status, reached, float(body[0]), MAX_STEPS, groups, scene, settings.tolerance, solver)
         states[k] = samples[:3].reshape(-1)
     return states
 
 
 @merged
-def _hold_valve(
+def _step(
     method: Method,
-    body: NDArray[np.float64],
-    fixed: NDArray[np.float64],
-    valve: int,
-    samples: NDArray[np.float64],
-    workspace: NDArray[np.float64],
+    body: Array,
+    fixed: Array,
+    command: int,
+    function: int,
+    generator: int,
+    samples: Array,
+    workspace: Array,
     observation: NDArray[np.float32],
-) -> tuple[int, float]:
-    """Advance one crawler by one hold, in place.
+    told: Array,
+    weights: Array,
+    covariance: Array,
+    history: Array,
+    rows: Array,
+    seen: int,
+) -> int:
+    """Hold the valve of one crawler as commanded, or flipped, for one hold, in place.
 
     Parameters
     ----------
@@ -96,22 +122,31 @@ def _hold_valve(
         From :func:`rest`; updated.
     fixed : array
         From :func:`stepper_for`.
-    valve : int
+    command : int
         0 or 1.
+    function, generator : int
+        Where the random numbers come from, see `stickslip.generators`; 0 flips no command.
     samples : (5, virtual_nodes) array
         Receives z, v, p, x, w.
     workspace : array
         From :func:`stepper_for`.
     observation : (5,) array of float32
         Receives z, v, p, w and the valve.
+    told : (TOLD,) array
+        Receives speed, memory, distance, innovation, reward, valve, slips and the time into the hold that was reached.
+    weights, covariance, history, rows, seen
+        As `stickslip.reservoir.prequential.score` wants them; of length 0 where there is no message.
 
     Returns
     -------
-    status : int
-        As in `stickslip.crawler.control`.
-    elapsed : float
-        Time into the hold that was reached.
+    int
+        The status, as in `stickslip.crawler.control`. If it is not FINISHED only the time that was reached is told.
     """
+    dither = fixed[_DITHER]
+    valve = command
+    if function != 0 and next_uniform(np.uint64(function), np.uint64(generator)) < dither:
+        valve = 1 - command
+    start = body[_FOOT]
     outcome = advance_by_method(
         Body(body[0], body[1], body[2], body[3], body[4], int(body[5]), int(body[6])),
         NOTHING_YET,
@@ -129,8 +164,8 @@ def _hold_valve(
             fixed[10] != 0.0,
         ),
         float(valve),
-        fixed[_PHYSICS],
-        Control(fixed[_PHYSICS + 1], int(fixed[_PHYSICS + 2]), int(fixed[_PHYSICS + 3]), False, False, method),
+        fixed[_HOLD],
+        Control(fixed[_TOLERANCE], int(fixed[_ORDER]), int(fixed[_MAX_STEPS]), False, False, method),
         0.0,
         samples,
         workspace[:0],
@@ -149,23 +184,62 @@ def _hold_valve(
     observation[2] = after.pressure
     observation[3] = after.foot_velocity
     observation[4] = valve
-    return outcome.status, outcome.elapsed
+    told[_ELAPSED] = outcome.elapsed
+    if outcome.status != FINISHED:
+        return outcome.status
+    speed = (after.foot - start) / fixed[_HOLD]
+    innovation = valve - abs(command - dither)
+    memory = 0.0
+    if len(weights) > 0:
+        memory = score(weights, covariance, history, rows, seen, samples, innovation, fixed[_VARIANCE])
+    told[_SPEED] = speed
+    told[_MEMORY] = memory
+    told[_DISTANCE] = after.foot
+    told[_INNOVATION] = innovation
+    told[_REWARD] = (1.0 - fixed[_WEIGHT]) * speed + fixed[_WEIGHT] * memory
+    told[_VALVE] = valve
+    told[_SLIPS_SO_FAR] = after.slips
+    return outcome.status
 
 
-def _holder(method: type[Method]) -> Callable[..., tuple[int, float]]:
+def _stepper(method: type[Method]) -> Callable[..., int]:
     # A method cannot be an argument from Python: it would cost more than the physics.
     @compiled
-    def hold_valve(
-        body: NDArray[np.float64],
-        fixed: NDArray[np.float64],
-        valve: int,
-        samples: NDArray[np.float64],
-        workspace: NDArray[np.float64],
+    def step(
+        body: Array,
+        fixed: Array,
+        command: int,
+        function: int,
+        generator: int,
+        samples: Array,
+        workspace: Array,
         observation: NDArray[np.float32],
-    ) -> tuple[int, float]:
-        return _hold_valve(method(), body, fixed, valve, samples, workspace, observation)
+        told: Array,
+        weights: Array,
+        covariance: Array,
+        history: Array,
+        rows: Array,
+        seen: int,
+    ) -> int:
+        return _step(
+            method(),
+            body,
+            fixed,
+            command,
+            function,
+            generator,
+            samples,
+            workspace,
+            observation,
+            told,
+            weights,
+            covariance,
+            history,
+            rows,
+            seen,
+        )
 
-    return hold_valve
+    return step
 
 
-_HOLD_VALVE = {method: _holder(method) for method in METHODS}
+_STEP = {method: _stepper(method) for method in METHODS}

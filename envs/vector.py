@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any, Literal
 
 import gymnasium as gym
@@ -14,10 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..crawler import Groups, GroupsLike, Scene
 from ..crawler.groups import groups_of_each
-from ..validation import whole_number
+from ..validation import truth_value, whole_number
 from .crawler import StickSlipCrawlerEnv
 from .fleet import Fleet
-from .settings import COUNTS, NUMBERS, Settings
+from .settings import begun, Choice, COUNTS, CRAWLER_OPTIONS, known_options, NUMBERS, Settings
+from .specification import Specified
+from .state import CrawlerState, refuse_foreign
+from .sub_environment import SubEnvironment
 from .tiling import Tiles
 
 __all__ = ["StickSlipCrawlerVectorEnv"]
@@ -27,7 +31,7 @@ _GROUPS_HAVING = tuple(f"_{name}" for name in Groups.__slots__)
 _HAVING = tuple(f"_{name}" for name in (*NUMBERS, *COUNTS, "groups", "slope"))
 
 
-class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64], NDArray[Any]]):
+class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArray[np.int64], NDArray[Any]]):
     """A batch of `StickSlipCrawlerEnv`, stepped together.
 
     ``gymnasium.make_vec("StickSlipCrawler-v0", num_envs=n)`` makes it. Sub-environment i does what a single environment
@@ -104,16 +108,14 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         kind = np.array([order[choice] for choice in each])
         self.settings = kinds[each[0]]
         never = max_episode_steps is None or max_episode_steps == -1
-        self._autoreset = _autoreset_mode(autoreset_mode)
-        if not isinstance(copy, bool):
-            raise TypeError(f"copy must be True or False, got {copy!r}")
-        self._copy = copy
+        self.autoreset_mode = _autoreset_mode(autoreset_mode)
+        self._copy = truth_value("copy", copy)
         if render_mode not in (None, "human", "rgb_array"):
             raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
         self.render_mode = render_mode
         self._rendered = _shown(rendered, self.num_envs)
         self._tiles: Tiles | None = None
-        self.metadata = {**StickSlipCrawlerEnv.metadata, "autoreset_mode": self._autoreset}
+        self.metadata = {**StickSlipCrawlerEnv.metadata, "autoreset_mode": self.autoreset_mode}
 
         self.single_action_space = spaces.Discrete(2)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -140,7 +142,9 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         seed : int or sequence of num_envs of int or None, optional
             Sub-environment i takes ``seed + i``, or its own; without a seed it goes on with its random numbers.
         options : dict, optional
-            ``"reset_mask"``: a bool array of shape (num_envs,), the sub-environments to reset.
+            ``"reset_mask"``: a bool array of shape (num_envs,), the sub-environments to reset. ``"groups"`` and
+            ``"slope"``, as in `StickSlipCrawlerEnv`, one for all or a sequence of num_envs, in which None settles
+            nothing: of the episodes that begin now, not of those that follow them by autoreset.
 
         Returns
         -------
@@ -159,11 +163,13 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
             If called after `close`.
         """
         self._refuse_closed()
-        mask = self._reset_mask(options)
+        chosen = known_options(options, ("reset_mask", *CRAWLER_OPTIONS))
+        mask = self._reset_mask(chosen.pop("reset_mask", None))
+        choices = self._choices(**chosen) if chosen else None
         seeds = self._seeds_of(seed)
         if not self._running and not mask.all():
             raise ResetNeeded("the first reset must be of all sub-environments, got a reset_mask of some")
-        self._fleet.begin(mask, seeds)
+        self._fleet.begin(mask, seeds, choices)
         self._running = True
         self._pending = self._pending & ~mask
         if self.render_mode == "human":
@@ -207,7 +213,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
             raise ResetNeeded("step needs a call of reset first")
         idle = self._pending
         restarting = np.count_nonzero(idle) > 0
-        if restarting and self._autoreset is AutoresetMode.DISABLED:
+        if restarting and self.autoreset_mode is AutoresetMode.DISABLED:
             over = np.flatnonzero(idle).tolist()
             raise ResetNeeded(f"the episodes of sub-environments {over} are over; reset them with a reset_mask")
         self._running = False  # until the step has succeeded
@@ -218,7 +224,7 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
         self._terminations[:] = False  # without copies the caller has written to it perhaps
         ended = results.truncations.copy()
         last: dict[str, Any] = {}
-        if self._autoreset is not AutoresetMode.SAME_STEP:
+        if self.autoreset_mode is not AutoresetMode.SAME_STEP:
             if restarting:
                 self._fleet.begin_again(idle)
             self._pending = ended
@@ -269,15 +275,139 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
             self._tiles.close()
             self._tiles = None
 
-    @property  # type: ignore[misc]
-    def np_random(self) -> tuple[np.random.Generator | None, ...]:  # type: ignore[override]
-        """Each sub-environment's generator; None before the first reset."""
+    @property  # type: ignore[override]
+    def np_random(self) -> tuple[np.random.Generator, ...]:
+        """Each sub-environment's generator: of one number a step, and of what `randomize` draws at a reset.
+
+        A sequence of `num_envs` different generators sets them, and so does one generator, which spawns them. The next
+        step draws from them.
+        """
+        self._fleet.want_generators()
         return tuple(self._fleet.generators)
+
+    @np_random.setter
+    def np_random(self, value: np.random.Generator | Sequence[np.random.Generator]) -> None:
+        for i, generator in enumerate(_generators(value, self.num_envs)):
+            self._fleet.draw_from(i, generator, -1)
 
     @property
     def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
-        """Seed of each sub-environment's generator; None before the first reset."""
+        """Seed of each sub-environment's generator; -1 where a generator was given."""
+        self._fleet.want_generators()
         return tuple(self._fleet.seeds)
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """Call a method of each sub-environment, or get an attribute, as `gymnasium.vector.SyncVectorEnv` does.
+
+        Parameters
+        ----------
+        name : str
+            Of a method or an attribute of `StickSlipCrawlerEnv`, or of what was set by `set_attr`.
+        *args, **kwargs
+            Of the method.
+
+        Returns
+        -------
+        tuple of num_envs
+        """
+        found = [each.get_wrapper_attr(name) for each in self.sub_environments]
+        return tuple(each(*args, **kwargs) if callable(each) else each for each in found)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Attribute of each sub-environment; a method of no arguments is called."""
+        return self.call(name)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of each sub-environment: to its own of a list or tuple of num_envs, or to one value."""
+        each = values if isinstance(values, list | tuple) else [values] * self.num_envs
+        if len(each) != self.num_envs:
+            raise ValueError(f"values must be one value or num_envs = {self.num_envs} of them, got {len(each)}")
+        for sub_environment, value in zip(self.sub_environments, each, strict=True):
+            sub_environment.set_wrapper_attr(name, value)
+
+    def get_state(self, *, generator: bool = True) -> tuple[CrawlerState, ...]:
+        """State of each sub-environment, as `StickSlipCrawlerEnv.get_state` returns it.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            If there are no episodes.
+        """
+        if not self._running:
+            raise ResetNeeded("get_state needs a call of reset first")
+        return tuple(self._fleet.save(i, over, generator) for i, over in enumerate(self._pending.tolist()))
+
+    def set_state(self, state: CrawlerState | Sequence[CrawlerState | None]) -> None:
+        """Go on from states, to the last bit.
+
+        Parameters
+        ----------
+        state : CrawlerState or sequence of num_envs of CrawlerState or None
+            Of one environment, single or in a batch, for all: branches of one state, each with its own flips to come
+            if the state is without a generator, and all with the same if it has one. Or to each its own; None leaves
+            one where it is.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If one is none, or of an environment of other arguments, or of another version; nothing is set then.
+        gymnasium.error.ResetNeeded
+            If some are left where they are before the first reset.
+        """
+        self._refuse_closed()
+        states = [state] * self.num_envs if isinstance(state, CrawlerState) else state
+        if not isinstance(states, Sequence) or len(states) != self.num_envs:
+            raise TypeError(f"state must be a CrawlerState or num_envs = {self.num_envs} of them, got {state!r}")
+        for one, settings in zip(states, self.settings_of_each, strict=True):
+            if one is not None:
+                refuse_foreign(one, settings)
+        if not self._running and None in states:
+            raise ResetNeeded("set_state of some needs a call of reset first")
+        self._fleet.restore(states)
+        for i, one in enumerate(states):
+            if one is not None:
+                self._pending[i] = one.over and self.autoreset_mode is not AutoresetMode.SAME_STEP
+        self._running = True
+
+    @property
+    def settings_of_each(self) -> list[Settings]:
+        """Arguments of each sub-environment."""
+        return self._fleet.settings_of_each
+
+    @property
+    def crawlers_by_name(self) -> list[tuple[dict[str, float], float]]:
+        """Groups and slope of each sub-environment's episode, not to be changed."""
+        return self._fleet.named
+
+    def crawler_of(self, index: int) -> tuple[Groups, Scene]:
+        """Crawler and world of a sub-environment's episode."""
+        if not self._running:
+            raise AttributeError("no episode has begun, and no crawler been settled; call reset first")
+        return self._fleet.crawlers[index]
+
+    def reset_one(
+        self, index: int, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Reset one sub-environment and answer as `StickSlipCrawlerEnv` does."""
+        seeds: list[int | None] = [None] * self.num_envs
+        seeds[index] = seed
+        options = {"reset_mask": np.arange(self.num_envs) == index, **known_options(options, CRAWLER_OPTIONS)}
+        observations, _ = self.reset(seed=seeds, options=options)
+        return observations[index].copy(), self.begun(index)
+
+    def begun(self, index: int) -> dict[str, Any]:
+        """What a reset of one sub-environment has told, or will have if it goes on from a state."""
+        return begun(*self.crawler_of(index))
+
+    def render_one(self, index: int) -> NDArray[np.uint8] | None:
+        """Picture of one sub-environment; None where it is not among the `rendered`, or a window shows all."""
+        pictures = self.render()
+        return None if pictures is None or index not in self._rendered else pictures[self._rendered.index(index)]
+
+    @cached_property
+    def sub_environments(self) -> list[SubEnvironment]:
+        """Each as far as it can be asked for alone: all but stepped."""
+        return [SubEnvironment(self, i) for i in range(self.num_envs)]
 
     def __getstate__(self) -> dict[str, Any]:
         # A window cannot be copied; the copy opens its own.
@@ -322,10 +452,12 @@ class StickSlipCrawlerVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64]
             raise ValueError(f"actions must be 0 or 1, got {commands[i]} for sub-environment {i}")
         return commands.astype(np.int64)
 
-    def _reset_mask(self, options: dict[str, Any] | None) -> NDArray[np.bool_]:
-        if options is not None and not isinstance(options, Mapping):
-            raise TypeError(f"options must be a dict or None, got {options!r}")
-        mask = None if options is None else options.get("reset_mask")
+    def _choices(self, groups: Any = None, slope: Any = None) -> list[Choice]:
+        """What the options of a reset settle of each crawler."""
+        given = [_of_each(name, value, self.num_envs) for name, value in (("groups", groups), ("slope", slope))]
+        return [settings.choose(*one) for settings, *one in zip(self._fleet.settings_of_each, *given, strict=True)]
+
+    def _reset_mask(self, mask: Any) -> NDArray[np.bool_]:
         if mask is None:
             return np.ones(self.num_envs, np.bool_)
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
@@ -356,6 +488,30 @@ def _each(choice: Any, count: int) -> list[Groups]:
     if len(groups) != count:
         raise ValueError(f"groups must be one choice or num_envs = {count} of them, got {len(groups)}")
     return groups
+
+
+def _of_each(name: str, value: Any, count: int) -> Sequence[Any]:
+    """An option of each sub-environment."""
+    if isinstance(value, np.ndarray) and value.ndim > 0:
+        value = value.tolist()
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        if len(value) != count:
+            raise ValueError(f"{name} must be one choice or num_envs = {count} of them, got {len(value)}")
+        return value
+    return [value] * count
+
+
+def _generators(value: Any, count: int) -> Sequence[np.random.Generator]:
+    """Generators of each sub-environment."""
+    if isinstance(value, np.random.Generator):
+        return value.spawn(count)
+    several = value if isinstance(value, Sequence) else ()
+    if not several or not all(isinstance(each, np.random.Generator) for each in several):
+        raise TypeError(f"np_random must be a numpy.random.Generator or num_envs = {count} of them, got {value!r}")
+    if len(several) != count or len({id(each.bit_generator) for each in several}) < count:
+        # Two threads that draw from one would get its numbers in no order.
+        raise ValueError(f"np_random must be num_envs = {count} generators that share no state, got {value!r}")
+    return several
 
 
 def _shown(rendered: Any, count: int) -> list[int]:

@@ -8,7 +8,8 @@ from .delay_line import delay_line
 from .echo_state import EchoStateNetwork
 from .information import information_processing_capacity, InformationCapacity
 from .kernel import kernel_quality, KernelQuality, ranks
-from .memory import memory_capacity, memory_over_runs, MemoryCapacity, MemoryOverRuns
+from .memory import memory_capacity, MemoryCapacity
+from .memory_runs import memory_over_runs, MemoryOverRuns
 from .metrics import nrmse, squared_correlation
 from .orthonormal import state_rank
 from .recursive_least_squares import RecursiveLeastSquares

@@ -5,15 +5,14 @@ import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
-from statistics import NormalDist
 from typing import Literal, NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import finite_array, known_names, number_within, whole_number
 from .bootstrap import usual_block
+from .decomposition import capacity_in_turn, intervals
 from .orthonormal import of_usual_size, orthonormal_basis
 from .product_basis import count_terms, legendre_polynomials, products, Term, terms, walsh
 from .sensor_noise import with_sensor_noise
@@ -30,10 +29,6 @@ _POOLED = 500
 _SHUFFLES = 20
 # Samples per independent state below which it is said that there are few.
 _FEW = 10
-# Iterations of a contraction by the share of chance, which is a tenth or so.
-_TURNS = 20
-# Share of a function left by those before it below which it is one of them, but for rounding.
-_NEW = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,9 +135,9 @@ def information_processing_capacity(
     not quite in a finite sample, and only so can the total not be above the rank.
 
     Chance explains a share of any function, rank / samples if its square is constant. Of those found it is taken off
-    as in an adjusted coefficient of determination, ``(C - c) / (1 - c)`` with ``c = (rank - total) / samples``, since
-    directions of the states that are explained already are not left to chance. The threshold tells what chance does
-    not explain:
+    as in an adjusted coefficient of determination, ``(C - c) / (1 - c)`` with ``c = (rank - 2 C') / samples``, C' being
+    the sum of the capacities before it: directions of the states that are explained already are not left to chance.
+    The threshold tells what chance does not explain:
 
     - ``"chi-squared"``: samples x C of a function that is independent of the states follows a chi-squared law with
       as many degrees of freedom as the rank [1]_. A function that is merely uncorrelated with them may scatter far
@@ -155,10 +150,10 @@ def information_processing_capacity(
     Whatever the threshold, a capacity must rest on enough samples. Where flips are rare, the product of three of them
     can be told from that of four only after the fourth has had its chances to fall on the three: the effective number
     of samples, the products of a function with its prediction being their weights, must reach
-    ``-ln(significance) E f^4``, with f the function of one input. It is 9 for fair bits at 1e-4, 75 at a dither of 0.1,
-    440 at 0.02. A warning tells how many functions were left out for it.
+    ``-2 ln(significance) E f^4``, with f the function of one input. It is 18 for fair bits at 1e-4, 150 at a dither of
+    0.1, 880 at 0.02. A warning tells how many functions were left out for it.
 
-    The intervals are normal ones, of the influence of blocks of samples on a capacity, its logit for a single one.
+    The intervals are Student's, of the influence of blocks of samples on a capacity; of its logit for a single one.
 
     Parameters
     ----------
@@ -285,14 +280,14 @@ def information_processing_capacity(
         left = ", ".join(f"degree {degree} from delay {found.reach[degree] + 1} on" for degree in found.left)
         warnings.warn(f"the budget of {budget} functions was spent; not tried: {left}", stacklevel=2)
     delay = np.array([term[-1][0] for term in found.terms], dtype=np.int64)
-    each = _capacity_in_turn(q, products(functions, found.terms, start))
     block = usual_block(samples, delay) if len(delay) else 1
-    intervals, total_interval = _intervals(each, block, confidence, rank)
+    each = capacity_in_turn(q, products(functions, found.terms, start), block)
+    ends, total_interval = intervals(each, confidence, rank)
     return InformationCapacity(
         terms=tuple(found.terms),
         capacity=each.capacity,
         chance=each.chance,
-        capacity_interval=intervals,
+        capacity_interval=ends,
         total_interval=total_interval,
         degree=np.array([sum(degree for _, degree in term) for term in found.terms], dtype=np.int64),
         delay=delay,
@@ -392,68 +387,6 @@ def _of_surrogates(
         capacity for order in orders for _, capacity, _ in _capacities(q, functions[:, order], start, iter(pooled))
     ]
     return tail_quantile(np.concatenate(values), significance)
-
-
-class _InTurn(NamedTuple):
-    capacity: Array
-    chance: Array
-    influence: Array  # of each sample on each capacity, shape (terms, samples)
-
-
-def _capacity_in_turn(q: Array, rows: Array) -> _InTurn:
-    """Capacity of what each function adds to those before it: a decomposition of the trace of two projections."""
-    if rows.size == 0:
-        return _InTurn(np.zeros(len(rows)), np.zeros(len(rows)), np.zeros((len(rows), len(q))))
-    moved = (rows - rows.mean(axis=1, keepdims=True)).T
-    norms = np.linalg.norm(moved, axis=0)
-    turned, triangle = scipy.linalg.qr(moved, mode="economic", check_finite=False)
-    new = np.abs(triangle.diagonal()) > _NEW * norms[: len(triangle)]
-    turned[:, ~new] = 0
-    projected = q.T @ turned
-    explained = np.minimum(np.vecdot(projected, projected, axis=0), 1)
-    leverage = np.vecdot(q, q)
-    squares = turned**2
-    capacity, by_chance = _without_chance(explained, leverage @ squares, q.shape[1])
-    # Of a capacity 1 - e^2 / y^2, the residual e being that of a readout that was not fitted to its own sample, nearly.
-    missed = (turned - q @ projected) ** 2 / np.maximum(1 - leverage, 1 / len(q))[:, None]
-    influence = (1 - capacity) * squares - missed
-    return _InTurn(
-        *(np.pad(a, [(0, len(rows) - len(new))] + [(0, 0)] * (a.ndim - 1)) for a in (capacity, by_chance, influence.T))
-    )
-
-
-def _without_chance(explained: Array, by_chance: Array, rank: int) -> tuple[Array, Array]:
-    """Capacities as they would be in an endless series, and what chance explains of each in this one.
-
-    What is explained already of the states' directions is not left to chance: functions of capacities C in the mean
-    explain ``sum_i sum_j (1 - C_i) (1 - C_j) / samples`` too much, the second sum being over the directions. So the
-    share is the one of a single function times ``1 - sum C / rank``, which is solved by iterating.
-    """
-    capacity, share = explained, by_chance
-    for _ in range(_TURNS):
-        share = by_chance * max(1 - capacity.sum() / rank, 0)
-        left = np.maximum(1 - share, np.finfo(np.float64).tiny)
-        capacity = np.clip((explained - share) / left, 0, 1)
-    return capacity, share
-
-
-def _intervals(each: _InTurn, block: int, confidence: float, rank: int) -> tuple[Array, tuple[float, float]]:
-    count, samples = each.influence.shape
-    if count == 0:
-        return np.zeros((2, 0)), (0.0, 0.0)
-    reach = NormalDist().inv_cdf((1 + confidence) / 2)
-    whole = samples // block * block
-    sums = each.influence[:, :whole].reshape(count, -1, block).sum(axis=2)
-    blocks = sums.shape[1]
-    inflation = samples / whole * blocks / max(blocks - 1, 1)
-    error = np.sqrt(inflation * np.vecdot(sums, sums))
-    c = np.clip(each.capacity, 1e-12, 1 - 1e-12)
-    logit, spread = np.log(c / (1 - c)), reach * error / (c * (1 - c))
-    ends = 1 / (1 + np.exp(-np.clip(logit + np.array([[-1], [1]]) * spread, -700, 700)))
-    ends[0] = np.minimum(ends[0], each.capacity)
-    ends[1] = np.maximum(ends[1], each.capacity)
-    total, half = float(each.capacity.sum()), reach * math.sqrt(inflation) * float(np.linalg.norm(sums.sum(axis=0)))
-    return ends, (max(total - half, 0.0), min(total + half, max(float(rank), total)))
 
 
 def _delays_by_degree(delays: int | Sequence[int], max_degree: int) -> list[int]:

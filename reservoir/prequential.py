@@ -1,12 +1,27 @@
-"""Memory capacity as a running score: predict the message of d steps ago, then learn it.
+r"""Memory capacity as a running score: predict the message of d steps ago, then learn it.
 
-Step k earns sum_d (e^2 - (e - ehat)^2) / Var e with e = e_{k-d} and ehat predicted from the state before e is
-learned, so that its mean tends to the memory capacity of the readout. The score is honest at every step: a
-prediction that is worse than none costs.
+Step k earns, for every delay d,
 
-A readout that starts knowing nothing pays for its ignorance, which over an episode of 1000 steps hides a quarter of the
-capacity. This one starts as if it had already seen a few samples of a calibration run;
-`benchmarks/memory_reward.py` measures what that is worth.
+.. math:: \left(e^2 - \frac{(e - \hat e)^2}{1 + h_d}\right) / \mathrm{Var}\,e, \qquad e = e_{k-d},
+
+where :math:`\hat e` is predicted from the state before e is learned, so that the mean tends to the memory capacity of
+the readout. The score is honest at every step: a prediction that is worse than none costs.
+
+A readout of N weights that starts knowing nothing has prediction errors that are larger than those of the best readout,
+by what its weights still lack. For least squares that is known: the square of the error exceeds the best readout's by
+the factor 1 + h, the leverage h of a state x being :math:`x^T P x` with P the inverse of the sum of squared features.
+Errors divided by its root are the recursive residuals of [1]_, whose variance does not depend on the sample; without
+the division an episode of 1000 steps hides a sixth of the capacity at the environment's defaults. The weights of delay
+d have learned from all but the first d of the k samples, while P is that of all k: :math:`h_d = h (k - d) / k`.
+
+Where h exceeds 1 there are hardly more samples than weights in the state's direction, and nothing is known of the
+error. Such a step counts for less, and for nothing from h = 2. Leverages cannot be large for long: the sum of
+log(1 + h) over all steps is the logarithm of the growth of det P^-1, so that no policy can live on them.
+
+References
+----------
+.. [1] R. L. Brown, J. Durbin, J. M. Evans, "Techniques for testing the constancy of regression relationships over
+   time", J. R. Stat. Soc. B 37, 149, 1975.
 """
 
 import numpy as np
@@ -16,11 +31,12 @@ from ..compilation import compiled
 from ..validation import finite_array, number_within, whole_number
 from .recursive_least_squares import predict_then_learn
 
-__all__ = ["PrequentialMemory"]
+__all__ = ["RIDGE", "PrequentialMemory"]
 
-# Least eigenvalue granted to the features' correlation. Virtual nodes of one pressure are affine in each other, and a
-# direction in which nothing was seen must not be learned from rounding.
-_RIDGE = 1e-4
+RIDGE = 1e-3
+"""Penalty on the squared weights, that of a thousandth of a sample in each direction: virtual nodes of one pressure are
+affine in each other, and a direction in which nothing was seen must not be learned from rounding."""
+
 _CENTRE, _SCALE, _FEATURES, _GAIN = range(4)
 
 
@@ -30,24 +46,20 @@ class PrequentialMemory:
     Parameters
     ----------
     states : (samples, features) array_like
-        Of a calibration run; they set the scale of each feature and where the readout starts.
-    message : (samples,) array_like
-        Innovations of the calibration run.
+        Of a calibration run; they set the centre and the scale of each feature, and nothing else.
     delays : int, >= 1
         Delays 0 to delays - 1 are read out.
     variance : float, > 0
         Var e of the message.
-    weight : float, > 0
-        Samples that the calibration run counts for.
 
     Attributes
     ----------
-    first_weights : (delays, features + 1) array
-        Where the readout starts; the last feature is the constant 1.
-    first_covariance : (features + 1, features + 1) array
     centre, scale : (features,) arrays
         A feature is (state - centre) * scale.
+    delays : int
     variance : float
+    arrays : tuple of arrays
+        Of the readout as it is: what `score` takes first.
 
     Raises
     ------
@@ -55,41 +67,38 @@ class PrequentialMemory:
         If an argument has the wrong shape or is out of range; the message names it.
     """
 
-    def __init__(
-        self, states: ArrayLike, message: ArrayLike, delays: int, *, variance: float, weight: float = 30.0
-    ) -> None:
+    def __init__(self, states: ArrayLike, delays: int, *, variance: float) -> None:
         states = finite_array("states", states, 2)
-        message = finite_array("message", message, 1)
-        delays = whole_number("delays", delays, 1)
-        if len(states) != len(message) or len(states) <= delays:
-            raise ValueError(
-                f"states and message must have one length above delays = {delays}, got {len(states)} and {len(message)}"
-            )
+        self.delays = whole_number("delays", delays, 1)
         self.variance = number_within("variance", variance, "(0, inf)")
-        weight = number_within("weight", weight, "(0, inf)")
-        centre = states.mean(axis=0)
+        self.centre = states.mean(axis=0)
         spread = states.std(axis=0)
-        self.centre = centre
         self.scale = 1.0 / np.where(spread > 0.0, spread, 1.0)
-
-        features = np.column_stack([(states - centre) * self.scale, np.ones(len(states))])[delays - 1 :]
-        past = np.lib.stride_tricks.sliding_window_view(message, delays)[:, ::-1]
-        correlation = features.T @ features / len(features) + _RIDGE * np.eye(features.shape[1])
-        covariance = np.linalg.inv(weight * correlation)
-        self.first_covariance = (covariance + covariance.T) / 2.0  # to the last digit, see `predict_then_learn`
-        self.first_weights = np.ascontiguousarray(np.linalg.solve(correlation, features.T @ past / len(features)).T)
-
-        self._rows = np.zeros((4, features.shape[1]))
-        self._rows[_CENTRE, :-1] = centre
+        self._rows = np.zeros((4, states.shape[1] + 1))
+        self._rows[_CENTRE, :-1] = self.centre
         self._rows[_SCALE, :-1] = self.scale
         self.reset()
 
     def reset(self) -> None:
-        """Forget all but the calibration run."""
-        self._weights = self.first_weights.copy()
-        self._covariance = self.first_covariance.copy()
-        self._history = np.zeros((2, self.first_weights.shape[0]))
+        """Forget all that was scored."""
+        size = self._rows.shape[1]
+        history = np.zeros((2, self.delays))
+        self.arrays = np.zeros((self.delays, size)), np.eye(size) / RIDGE, history, self._rows
         self._seen = 0
+
+    def packed(self) -> tuple[NDArray[np.float64], ...]:
+        """Copies of weights, of the lower half of the covariance by rows, and of past innovations, newest first."""
+        weights, covariance, history, _ = self.arrays
+        return weights.copy(), covariance[np.tril_indices(len(covariance))], history[0].copy()
+
+    def unpack(self, packed: tuple[NDArray[np.float64], ...], seen: int) -> None:
+        """Go on from what `packed` returned after `seen` samples."""
+        self.reset()
+        weights, covariance, history, _ = self.arrays
+        weights[:], half, history[0] = packed
+        rows, columns = np.tril_indices(len(covariance))
+        covariance[rows, columns] = covariance[columns, rows] = half
+        self._seen = seen
 
     def score(self, state: NDArray[np.float64], innovation: float) -> float:
         """Take in one sample and return what it earned.
@@ -106,16 +115,7 @@ class PrequentialMemory:
             Its mean over many samples tends to the memory capacity.
         """
         self._seen += 1
-        return score(
-            self._weights,
-            self._covariance,
-            self._history,
-            self._seen,
-            state,
-            innovation,
-            self._rows,
-            self.variance,
-        )
+        return score(*self.arrays, self._seen, state[np.newaxis], innovation, self.variance)
 
 
 @compiled
@@ -123,10 +123,10 @@ def score(
     weights: NDArray[np.float64],
     covariance: NDArray[np.float64],
     history: NDArray[np.float64],
-    seen: int,
-    state: NDArray[np.float64],
-    innovation: float,
     rows: NDArray[np.float64],
+    seen: int,
+    states: NDArray[np.float64],
+    innovation: float,
     variance: float,
 ) -> float:
     """Score one sample and learn it, in place.
@@ -139,19 +139,23 @@ def score(
         Of the readout; the last feature is the constant 1.
     history : (2, delays) array
         Innovations, newest first, and their predictions.
-    seen : int
-        Samples so far with this one: messages from before the first are neither scored nor learned.
-    state : (features,) array
-    innovation : float
     rows : (4, features + 1) array
         The centre and scale of each feature, (state - centre) * scale, then two rows of scratch.
+    seen : int
+        Samples so far with this one: messages from before the first are neither scored nor learned.
+    states : (readings, instants) array
+        The features, row by row; rows beyond them do not count.
+    innovation : float
     variance : float
         Var e.
     """
     features, gain = rows[_FEATURES], rows[_GAIN]
-    size = len(state)
-    for i in range(size):
-        features[i] = (state[i] - rows[_CENTRE, i]) * rows[_SCALE, i]
+    size = len(features) - 1
+    instants = states.shape[1]
+    for reading in range(size // instants):
+        for instant in range(instants):
+            i = reading * instants + instant
+            features[i] = (states[reading, instant] - rows[_CENTRE, i]) * rows[_SCALE, i]
     features[size] = 1.0
     past, prediction = history[0], history[1]
     for d in range(len(past) - 1, 0, -1):
@@ -159,7 +163,14 @@ def score(
     past[0] = innovation
     known = min(seen, len(past))
     predict_then_learn(weights[:known], covariance, features, past[:known], 1.0, prediction[:known], gain)
+    uncertainty = 1.0
+    for i in range(size + 1):
+        uncertainty += features[i] * gain[i]
+    leverage = uncertainty - 1.0
     earned = 0.0
     for d in range(known):
-        earned += (2.0 * past[d] - prediction[d]) * prediction[d]
-    return earned / variance
+        error = past[d] - prediction[d]
+        share = (float(seen) - float(d)) / float(seen)
+        earned += past[d] * past[d] - error * error / (1.0 + leverage * share)
+    certainty = min(max(2.0 - leverage, 0.0), 1.0)
+    return certainty * earned / variance

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled
 from ..lanes import aligned_zeros, clipped, LANES, load, spread, store
-from .prequential import PrequentialMemory
+from .prequential import PrequentialMemory, RIDGE
 
-__all__ = ["Readouts", "blank_readouts", "forget", "readouts_of", "score_lanes"]
+__all__ = ["Readouts", "blank_readouts", "forget", "packed", "readouts_of", "score_lanes", "unpack"]
 
 Array = NDArray[np.float64]
 
@@ -26,14 +26,11 @@ class Readouts(NamedTuple):
     past: Array  # (blocks, delays, LANES): innovations, newest first
     scaling: Array  # (blocks, 2, features, LANES): centre and scale of each feature
     seen: Array  # (blocks * LANES,): samples since the start
-    first_weights: Array  # (kinds, delays, features + 1): where a readout starts
-    first_covariance: Array  # (kinds, half of the square matrix)
-    kind: NDArray[np.int64]  # (reservoirs,): which start is whose
     variance: float  # Var e
 
 
 def readouts_of(memories: Sequence[PrequentialMemory], kind: NDArray[np.int64]) -> Readouts:
-    """Readouts that start as the calibrated ones.
+    """Readouts of features that are scaled as those of others.
 
     Parameters
     ----------
@@ -47,18 +44,12 @@ def readouts_of(memories: Sequence[PrequentialMemory], kind: NDArray[np.int64]) 
     Readouts
         At their start.
     """
-    delays, features = memories[0].first_weights.shape
-    readouts = blank_readouts(len(kind), delays, features, memories[0].variance)
-    lower = np.tril_indices(features)
+    first = memories[0]
+    readouts = blank_readouts(len(kind), first.delays, len(first.centre) + 1, first.variance)
     for i, which in enumerate(kind.tolist()):
         block, lane = divmod(i, LANES)
         readouts.scaling[block, 0, :, lane] = memories[which].centre
         readouts.scaling[block, 1, :, lane] = memories[which].scale
-    readouts = readouts._replace(
-        first_weights=np.stack([memory.first_weights for memory in memories]),
-        first_covariance=np.stack([memory.first_covariance[lower] for memory in memories]),
-        kind=kind,
-    )
     forget(readouts, np.ones(len(kind), np.bool_))
     return readouts
 
@@ -73,11 +64,22 @@ def blank_readouts(count: int, delays: int, features: int, variance: float) -> R
         aligned_zeros(blocks, delays, LANES),
         aligned_zeros(blocks, 2, features - 1, LANES),
         aligned_zeros(blocks * LANES),
-        np.zeros((1, delays, features)),
-        np.zeros((1, half)),
-        np.zeros(count, np.int64),
         variance,
     )
+
+
+def packed(readouts: Readouts, i: int) -> tuple[Array, ...]:
+    """Copies of what `PrequentialMemory.packed` returns, of readout `i`."""
+    block, lane = divmod(i, LANES)
+    return tuple(each[block, ..., lane].copy() for each in (readouts.weights, readouts.covariance, readouts.past))
+
+
+def unpack(readouts: Readouts, indices: Sequence[int], state: tuple[Array, ...], seen: int) -> None:
+    """Let these readouts go on from what `packed` returned after `seen` samples."""
+    block, lane = np.divmod(indices, LANES)
+    for each, own in zip((readouts.weights, readouts.covariance, readouts.past), state, strict=True):
+        each[block, ..., lane] = own
+    readouts.seen[indices] = seen
 
 
 @compiled
@@ -87,15 +89,15 @@ def forget(readouts: Readouts, mask: NDArray[np.bool_]) -> None:
         if not mask[i]:
             continue
         block, lane = i // LANES, i % LANES
-        which = readouts.kind[i]
-        weights = readouts.first_weights[which]
-        for d in range(weights.shape[0]):
+        size = readouts.weights.shape[2]
+        for d in range(readouts.weights.shape[1]):
             readouts.past[block, d, lane] = 0.0
-            for f in range(weights.shape[1]):
-                readouts.weights[block, d, f, lane] = weights[d, f]
-        covariance = readouts.first_covariance[which]
-        for k in range(len(covariance)):
-            readouts.covariance[block, k, lane] = covariance[k]
+            for f in range(size):
+                readouts.weights[block, d, f, lane] = 0.0
+        for row in range(size):
+            for column in range(row + 1):
+                k = row * (row + 1) // 2 + column
+                readouts.covariance[block, k, lane] = 1.0 / RIDGE if row == column else 0.0
         readouts.seen[i] = 0.0
 
 
@@ -139,6 +141,8 @@ def score_lanes(
         store(scratch, gains + j * LANES, gain)
         uncertainty = uncertainty + load(scratch, j * LANES) * gain
     shrink = spread(1.0) / uncertainty
+    leverage = uncertainty - spread(1.0)
+    certainty = clipped(spread(2.0) - leverage)
 
     for d in range(delays - 1, 0, -1):
         store(readouts.past, past + d * LANES, load(readouts.past, past + (d - 1) * LANES))
@@ -154,12 +158,14 @@ def score_lanes(
             prediction = prediction + load(readouts.weights, row + f * LANES) * load(scratch, f * LANES)
         target = load(readouts.past, past + d * LANES)
         known = clipped(seen - spread(float(d)))  # 1, or 0 for a message from before the first
-        earned = earned + known * ((spread(2.0) * target - prediction) * prediction)
-        step = known * ((target - prediction) * shrink)
+        error = target - prediction
+        share = clipped((seen - spread(float(d))) / seen)
+        earned = earned + known * (target * target - error * error / (spread(1.0) + leverage * share))
+        step = known * (error * shrink)
         for f in range(size):
             learned = load(readouts.weights, row + f * LANES) + step * load(scratch, gains + f * LANES)
             store(readouts.weights, row + f * LANES, learned)
-    store(innovations, block * LANES, earned / spread(readouts.variance))
+    store(innovations, block * LANES, certainty * earned / spread(readouts.variance))
 
     k = covariance
     for i in range(size):

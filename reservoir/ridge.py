@@ -324,10 +324,10 @@ def affine_weights(x: Array, y: Array, ridge: float, fit_intercept: bool) -> tup
     constant : ndarray of shape (outputs,)
     """
     if not fit_intercept:
-        weights = ridge_weights(x, y, penalty_on_weights(ridge, np.vdot(x, x), x.shape[1]))
+        weights = ridge_weights(x, y, penalty_on_weights(ridge, float(np.vdot(x, x)), x.shape[1]))
         return weights, x[0] @ weights
     moved, level = centre(x), y.mean(axis=0)
-    penalty = penalty_on_weights(ridge, np.vdot(moved.states, moved.states), x.shape[1])
+    penalty = penalty_on_weights(ridge, float(np.vdot(moved.states, moved.states)), x.shape[1])
     weights = ridge_weights(moved.states, y - level, penalty)
     return weights, level - moved.mean @ weights
 

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 _CONSTANT = 0.1
 VALUES_FOR_A_TAIL = 1000
 """From fewer no tail is fitted: its largest tenth would be below a hundred."""
+# Further factors that are reckoned with.
+_FURTHER = 2
 # Values beyond a quantile from which it is taken from them.
 _ENOUGH = 10
 # Shape below which a generalised Pareto law is exponential, to rounding.
@@ -122,12 +124,13 @@ def effective_events(basis: Array, rows: Array) -> Array:
 
 
 def events_needed(functions: Array, significance: float) -> float:
-    """Effective samples needed before a product of inputs can be told from one with a further factor.
+    """Effective samples needed before a product of inputs can be told from one with further factors.
 
     In a sample where a rare flip never falls on the others, a product with it is a multiple of the product without it:
     no statistic of the sample can tell them apart. If the flip has probability p, that happens over n independent
-    occasions with probability ``(1 - p)^n``, which is below the significance from ``n = -ln(significance) / p`` on. The
-    fourth moment of a function of one input stands for 1 / p; it is 1 for fair bits.
+    occasions with probability ``(1 - p)^n``, which is below the significance from ``n = -ln(significance) / p`` on. Two
+    further flips ask for twice as many, since most of what is seen then rests on occasions with one of them. The fourth
+    moment of a function of one input stands for 1 / p; it is 1 for fair bits.
 
     Parameters
     ----------
@@ -141,7 +144,7 @@ def events_needed(functions: Array, significance: float) -> float:
     """
     squares = functions**2
     kurtosis = (squares**2).mean(axis=1) / squares.mean(axis=1) ** 2
-    return float(-np.log(significance) * kurtosis.max())
+    return float(-_FURTHER * np.log(significance) * kurtosis.max())
 
 
 def tail_quantile(values: Array, significance: float) -> float:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from .crawler.plotting import save_figure
+from .envs.specification import plain
 from .extras import optional_import
 from .files import atomically
 from .reservoir import Estimate
@@ -86,7 +87,7 @@ class Bench:
     length, washout : int
         Samples of a repetition, and those at its start that are not scored.
     body : mapping
-        Arguments of `BodyReservoir` for all bodies, ready for JSON.
+        Arguments of `BodyReservoir` for all bodies.
     against : str or None
         The reservoir (or swept value, such as ``hold = 0.5``) that the others are compared with, draw by draw; the
         first one by default.
@@ -116,12 +117,14 @@ class Bench:
         resume: bool = False,
     ) -> None:
         self.folder = folder
+        given = body or {}
+        body = plain(given)
         self._seeds = range(whole_number("--seeds", seeds, 1))
         self._length = whole_number("--length", length, 1)
         self._washout = whole_number("--washout", washout, 0)
         wanted = ",".join(STANDARD_TASKS) if tasks is None and sweep is not None else tasks
         self._tasks = chosen("--tasks", _names(wanted, _KNOWN), _KNOWN)
-        known = known_reservoirs(whole_number("--features", features, 3), **(body or {}))
+        known = known_reservoirs(whole_number("--features", features, 3), **body)
         self._swept: tuple[str, list[float]] | None = None
         if sweep is None:
             self._reservoirs = chosen("--reservoirs", _names(reservoirs, known), known)
@@ -129,7 +132,7 @@ class Bench:
             raise ValueError(f"--reservoirs must be left out where --sweep is given, got {reservoirs!r}")
         else:
             name, values = parse_sweep(sweep)
-            _refuse_given_twice(name, body or {})
+            _refuse_given_twice(name, given)
             self._swept = name, list(values)
             crawler = cast(BodyReservoir, known["crawler"])
             self._reservoirs = {f"{name} = {value:.12g}": with_value(crawler, name, value) for value in values}
@@ -139,7 +142,7 @@ class Bench:
             "washout": washout,
             "sweep": None if self._swept is None else self._swept[0],
             "hold": cast(BodyReservoir, known["crawler"]).hold,
-            **(body or {}),
+            **body,
         }
         self.against = next(iter(self._reservoirs)) if against is None else against
         known_names("--against", [self.against], tuple(self._reservoirs))

@@ -113,6 +113,7 @@ def demo(
 
 @app.command(cls=Interruptible)
 def train(
+    context: typer.Context,
     output: Annotated[Path, typer.Option(help="Folder of the run.")],
     memory_weight: Annotated[float, typer.Option(help="Share of memory in the reward, 0 to 1.")] = 0.5,
     dither: Annotated[float, typer.Option(help="Probability that a command is flipped, 0 to 0.5.")] = 0.1,
@@ -120,16 +121,21 @@ def train(
     groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
     env_kwargs: Annotated[str, typer.Option(help="Further arguments of the environment, as JSON.")] = "{}",
     steps: Annotated[
-        int | None, typer.Option(help="Environment steps, instead of the file's; updates are whole.")
+        int | None,
+        typer.Option(help="Environment steps in all, instead of the file's or the resumed run's; updates are whole."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Of everything random.")] = 0,
     algorithm: Annotated[str, typer.Option(help="ppo, a2c, dqn, qrdqn or recurrent_ppo.")] = "ppo",
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in rl-baselines3-zoo's form.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on from the last checkpoint in the folder.")] = False,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="Go on from the last checkpoint in the folder, which says all but the steps."),
+    ] = False,
 ) -> None:
     """Train a policy, with evaluations, checkpoints and TensorBoard logs in the output folder."""
+    from .train.evaluations import best_of, read_evaluations
     from .train.hyperparameters import read_hyperparameters
-    from .train.run import Configuration, ENV_ARGUMENTS
+    from .train.run import Configuration, ENV_ARGUMENTS, Run
     from .train.training import train as train_policy
 
     arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold}
@@ -141,9 +147,19 @@ def train(
             raise ValueError(f"--env-kwargs must not set {name}: it has an option of its own, or is not for training")
     known_names("--env-kwargs", further, [name for name in ENV_ARGUMENTS if name not in (*arguments, "groups")])
     arguments |= further
+    if resume:
+        # What is not said is as in the folder, and what is said is compared with it.
+        kept = Run.open(output).configuration
+        said = _said(context)
+        arguments = kept.env_kwargs | {name: arguments[name] for name in arguments if name in said or name in further}
+        algorithm = algorithm if "algorithm" in said else kept.algorithm
+        seed = seed if "seed" in said else kept.seed
     # The algorithm is checked before a file of its name is looked for.
     configuration = Configuration(algorithm=algorithm, environment=_ENVIRONMENT, env_kwargs=arguments, seed=seed)
-    entry = read_hyperparameters(algorithm, _ENVIRONMENT, hyperparameters)
+    if resume and hyperparameters is None:
+        entry = dict(kept.hyperparameters)
+    else:
+        entry = read_hyperparameters(algorithm, _ENVIRONMENT, hyperparameters)
     if steps is not None:
         entry["n_timesteps"] = whole_number("--steps", steps, 1)
     configuration.hyperparameters.update(entry)
@@ -160,9 +176,11 @@ def train(
     finally:
         if bar.live.is_started:
             bar.stop()
-    rows = (finished.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()[1:]
-    best = max(rows, key=lambda row: float(row.split(",")[1])).split(",")
-    typer.echo(f"best policy: {float(best[1]):.4f} reward per step after {best[0]} steps, kept in {finished.best}")
+    best = best_of(read_evaluations(finished.folder / "evaluations.csv"))
+    terms = "" if math.isnan(best.speed) else f" (speed {best.speed:.4f}, memory {best.memory:.4f})"
+    typer.echo(
+        f"best policy: {best.reward:.4f} reward per step{terms} after {best.steps} steps, kept in {finished.best}"
+    )
 
 
 @app.command(cls=Interruptible)
@@ -413,6 +431,12 @@ def _work_precision_table(study: "WorkPrecision") -> Table:
             f"{row.timing.median / cheapest:.2f}",
         )
     return table
+
+
+def _said(context: typer.Context) -> set[str]:
+    """Names of the options that stand on the command line."""
+    sources = {name: context.get_parameter_source(name) for name in context.params}
+    return {name for name, source in sources.items() if source is not None and source.name == "COMMANDLINE"}
 
 
 def _groups(text: str) -> str | dict[str, Any]:

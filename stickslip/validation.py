@@ -66,6 +66,30 @@ def known_names(name: str, given: Iterable[Any], allowed: Iterable[str]) -> None
             raise ValueError(f"{name} has no {each!r}; allowed are {known}")
 
 
+def truth_value(name: str, value: Any) -> bool:
+    """Convert a truth value, Python's or NumPy's, to Python's.
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls the argument.
+    value : bool or numpy.bool_
+        What the caller was given.
+
+    Returns
+    -------
+    bool
+
+    Raises
+    ------
+    TypeError
+        If `value` is anything else.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be True or False, got {value!r}")
+    return bool(value)
+
+
 def whole_number(name: str, value: Any, minimum: int, maximum: int | None = None) -> int:
     """Convert to an int that is at least `minimum`, and at most `maximum` if there is one.
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from importlib.metadata import version
@@ -130,6 +131,11 @@ def test_a_policy_is_trained_resumed_and_evaluated(capsys, tmp_path):
     assert "holds a run already" in capsys.readouterr().err
     assert run([*command, "--resume"]) == 0
     capsys.readouterr()
+    assert run(["train", "--output", folder, "--resume", "--hold", "0.25"]) == 1
+    assert "hold must be 0.5 to go on with run" in capsys.readouterr().err
+    assert run(["train", "--output", folder, "--resume", "--steps", "9000"]) == 0  # the folder says all else
+    assert re.search(r"reward per step \(speed \S+, memory 0\.0000\) after \d+ steps", capsys.readouterr().out)
+    assert (tmp_path / "run" / "evaluations.csv").read_text(encoding="utf-8").splitlines()[-1].startswith("16384,")
     assert run(["evaluate", folder, "--steps", "1000", "--no-video"]) == 0
     assert "speed" in capsys.readouterr().out
 

@@ -1,18 +1,24 @@
 """Wherever groups are taken, a preset, a mapping, an actuator and groups themselves mean the same."""
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import gymnasium as gym
 import numpy as np
 import pytest
+import yaml
 
 import stickslip  # noqa: F401  (registers the environment)
+from stickslip.bench import Bench
 from stickslip.crawler import Actuator, Groups, simulate
 from stickslip.envs import StickSlipCrawlerVectorEnv
 from stickslip.studies import Case
 from stickslip.tasks import BodyReservoir, crawler_states, known_reservoirs
 from stickslip.tasks.sweep import with_amplitude, with_value
 from stickslip.tasks.transformer import CrawlerReservoir
+from stickslip.train.run import Configuration
 from stickslip.train.schedules import performance
 
 SOFT = replace(Actuator.ecoflex(), stiffness=70.0, damping=0.3)
@@ -43,6 +49,23 @@ def of_a_schedule(groups):
     return performance(word, word, dither=0.0, groups=groups, hold=1.0, scene=None).speed
 
 
+def of_a_configuration(groups):
+    configuration = Configuration(env_kwargs={"groups": groups, "hold": np.float32(0.5)})
+    Groups.of(configuration.env_kwargs["groups"])
+    kept = yaml.safe_load(yaml.safe_dump(asdict(configuration)))
+    return Groups.of(kept["env_kwargs"]["groups"])
+
+
+def of_a_bench(groups):
+    with TemporaryDirectory() as folder:
+        chosen = {"tasks": "NARMA-2 NRMSE", "reservoirs": "crawler", "features": 3, "length": 300, "seeds": 1}
+        bench = Bench(Path(folder) / "bench", body={"groups": groups}, **chosen)
+        list(bench.run(1))
+        bench.report()
+        kept = json.loads((Path(folder) / "bench" / "benchmark.json").read_text(encoding="utf-8"))
+    return [score["score"] for score in kept["scores"]]
+
+
 TAKERS = {
     "Groups.of": Groups.of,
     "simulate": lambda groups: simulate(groups, WORD, 1.0).foot,
@@ -57,6 +80,8 @@ TAKERS = {
     "with_amplitude": lambda groups: with_amplitude(groups, 2.0),
     "with_value": lambda groups: with_value(BodyReservoir(groups=groups), "amplitude", 2.0).groups,
     "performance": of_a_schedule,
+    "Configuration": of_a_configuration,
+    "Bench": of_a_bench,
     "Case": lambda groups: Case(groups=groups).groups,
 }
 
@@ -86,6 +111,15 @@ def test_one_choice_means_one_crawler_everywhere(taker, choice):
 def test_what_is_no_choice_is_refused_everywhere_in_the_same_words(taker, bad, error, says):
     with pytest.raises(error, match=says):
         TAKERS[taker](bad)
+
+
+def test_groups_of_their_own_kind_may_be_swept(tmp_path):
+    """A number named beside its sweep is refused; of a whole crawler one number may be swept."""
+    chosen = {"sweep": "duffing=1,2", "features": 3, "length": 300}
+    for groups in (Groups(duffing=1.0), Actuator.ecoflex(), "aggressive-forcing", {"deborah": 1.0}):
+        assert Bench(tmp_path / "bench", body={"groups": groups}, **chosen).total > 0
+    with pytest.raises(ValueError, match="duffing must be left out where --sweep sets it, got 3"):
+        Bench(tmp_path / "bench", body={"groups": {"duffing": 3}}, **chosen)
 
 
 @pytest.mark.parametrize("several", [(SOFT, "linear"), iter([SOFT, "linear"]), np.array([SOFT, "linear"], object)])

@@ -9,6 +9,7 @@ from typing import cast, TYPE_CHECKING
 import numpy as np
 
 from ..extras import optional_import
+from .evaluations import read_evaluations
 from .schedules import pareto_front, Performance
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def plot_trade(
 
 
 def plot_learning(table: Path, *, ax: Axes | None = None) -> Figure:
-    """Mean reward in the periodic evaluations of a run, against environment steps.
+    """Mean reward in the periodic evaluations of a run, and its two terms, against environment steps.
 
     Parameters
     ----------
@@ -91,12 +92,18 @@ def plot_learning(table: Path, *, ax: Axes | None = None) -> Figure:
 
     from ..crawler.plotting import house_style
 
-    steps, reward = np.loadtxt(table, delimiter=",", skiprows=1, ndmin=2, encoding="utf-8").T
+    evaluations = read_evaluations(table)
+    steps = [each.steps for each in evaluations]
     with house_style():
         if ax is None:
             _, ax = plt.subplots(figsize=(6.5, 3.0), layout="constrained")
-        ax.plot(steps, reward, "o-", ms=4)
-        ax.set(xlabel="environment steps", ylabel="mean reward per step")
+        ax.plot(steps, [each.reward for each in evaluations], "o-", ms=4, label="reward")
+        for name, style in (("speed", "--"), ("memory", ":")):
+            values = [getattr(each, name) for each in evaluations]
+            if not np.isnan(values).all():  # a table from before it had them
+                ax.plot(steps, values, style, color="0.35", lw=1, label=name)
+        ax.set(xlabel="environment steps", ylabel="mean per step")
+        ax.legend()
     return cast("Figure", ax.get_figure(root=True))
 
 

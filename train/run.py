@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..envs.settings import Settings
+from ..envs.specification import plain
 from ..extras import optional_import
 from ..files import atomically
 from ..validation import known_names, whole_number
@@ -34,7 +35,7 @@ class Configuration:
     algorithm : {"ppo", "a2c", "dqn", "qrdqn", "recurrent_ppo"}
     environment : {"StickSlipCrawler-v0"}
     env_kwargs : dict
-        Its arguments, as JSON would hold them.
+        Its arguments; kept as JSON holds them.
     hyperparameters : dict
         As in a file of rl-baselines3-zoo's form, `n_envs`, `n_timesteps` and `policy` among them.
     seed : int, >= 0
@@ -61,6 +62,7 @@ class Configuration:
             if not isinstance(getattr(self, name), Mapping):
                 raise TypeError(f"{name} must be a mapping, got {getattr(self, name)!r}")
         known_names("env_kwargs", self.env_kwargs, ENV_ARGUMENTS)
+        object.__setattr__(self, "env_kwargs", plain(self.env_kwargs))
 
 
 class Run:
@@ -93,12 +95,9 @@ class Run:
         """
         if any((folder / name).exists() for name in _KEPT):
             raise ValueError(f"output {folder} holds a run already; resume it or name another folder")
-        file = folder / "configuration.yml"
         (folder / "checkpoints").mkdir(parents=True, exist_ok=True)
         run = cls(folder, configuration)
-        atomically(
-            file, lambda path: path.write_text(yaml.safe_dump(asdict(configuration), sort_keys=False), encoding="utf-8")
-        )
+        run.configure(configuration)
         return run
 
     @classmethod
@@ -121,6 +120,18 @@ class Run:
         if not isinstance(written, dict) or set(written) != known:
             raise ValueError(f"run {folder}: configuration.yml must set {sorted(known)}, got {written!r}")
         return cls(folder, Configuration(**written))
+
+    def configure(self, configuration: Configuration) -> None:
+        """Have the folder say that the run is of this configuration.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        self.configuration = configuration
+        text = yaml.safe_dump(asdict(configuration), sort_keys=False)
+        atomically(self.folder / "configuration.yml", lambda path: path.write_text(text, encoding="utf-8"))
 
     @property
     def best(self) -> Path:

@@ -12,6 +12,7 @@ from ..envs import StickSlipCrawlerEnv
 from ..extras import optional_import
 from ..files import atomically
 from ..fingerprint import described, refuse_other, rounded
+from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .hyperparameters import resolve
 from .run import Configuration, Run
 from .threads import library_threads
@@ -43,16 +44,13 @@ _EVALUATIONS = 12
 _EVALUATION_SEED = 1_000_000
 
 
-_native = partial(StickSlipVecEnv, sparse_infos=True)
-
-
 def train(
     configuration: Configuration,
     folder: Path,
     *,
     resume: bool = False,
     on_progress: Callable[[int], Any] = lambda steps: None,
-    vec_env: Callable[..., VecEnv] = _native,
+    vec_env: Callable[..., VecEnv] | None = None,
 ) -> Run:
     """Train a policy, with periodic evaluation, checkpoints and TensorBoard logs.
 
@@ -62,12 +60,14 @@ def train(
     folder : Path
         Where the run is kept.
     resume : bool
-        Go on from the last checkpoint in `folder`. The steps after it are done again, with new random numbers.
+        Go on from the last checkpoint in `folder`. The steps after it are done again, with new random numbers. A
+        configuration with another ``n_timesteps`` moves the end of the run: schedules then go over the new total.
     on_progress : callable
         Told the number of environment steps done, every so often.
     vec_env : callable
         Makes the environments, for the training and for its evaluations, from their number and
-        `configuration.env_kwargs`; a `StickSlipVecEnv` by default.
+        `configuration.env_kwargs`; a `StickSlipVecEnv` by default. Speed and memory stand in ``evaluations.csv`` where
+        its infos tell them at every step.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def train(
     ------
     ValueError, TypeError
         If an argument of the environment or the algorithm is wrong, if `folder` holds a run and `resume` is not set,
-        or if it is set and the run has another configuration.
+        or if it is set and the run has another configuration, or has done more steps than asked for.
     OSError
         If the folder cannot be written.
     """
@@ -92,17 +92,22 @@ def train(
     # What the environment or the algorithm refuses, it refuses before the folder is touched.
     rewards = _first_rewards(configuration)
 
-    def make(count: int, seed: int) -> VecEnv:
-        environments = VecMonitor(vec_env(count, **configuration.env_kwargs))
+    def make(count: int, seed: int, constructor: Callable[..., VecEnv]) -> VecEnv:
+        environments = VecMonitor(constructor(count, **configuration.env_kwargs))
         environments.seed(seed)
         return environments
 
-    environments = make(configuration.hyperparameters["n_envs"], configuration.seed)
+    environments = make(
+        configuration.hyperparameters["n_envs"],
+        configuration.seed,
+        partial(StickSlipVecEnv, sparse_infos=True) if vec_env is None else vec_env,
+    )
     try:
         checkpoint = None
         if resume:
             run = Run.open(folder)
-            refuse_other(f"to go on with run {folder}", _described(run.configuration), _described(configuration))
+            moved = total != run.configuration.hyperparameters.get("n_timesteps")
+            refuse_other(f"to go on with run {folder}", _kept(run.configuration, total), _described(configuration))
             checkpoint = run.latest_checkpoint()
         with library_threads(1):
             if checkpoint is None:
@@ -124,12 +129,21 @@ def train(
                     {"first rewards": vars(model).get(_REWARDS)},
                     {"first rewards": rewards},
                 )
+                if moved and total < model.num_timesteps:
+                    raise ValueError(
+                        f"n_timesteps must be at least {model.num_timesteps}, which run {folder} has done, got {total}"
+                    )
+                vars(model)[_CONFIGURATION] = asdict(configuration)
                 if isinstance(model, OffPolicyAlgorithm) and run.replay_buffer.exists():
                     model.load_replay_buffer(run.replay_buffer)
+            if resume and moved:
+                run.configure(configuration)
             model.tensorboard_log = str(folder / "tensorboard")
             remaining = total - model.num_timesteps
             if remaining > 0:
-                with _Keeper(run, make, max(1, total // _EVALUATIONS), on_progress, model.num_timesteps) as keeper:
+                evaluating = partial(make, constructor=StickSlipVecEnv if vec_env is None else vec_env)
+                interval = max(1, total // _EVALUATIONS)
+                with _Keeper(run, evaluating, interval, on_progress, model.num_timesteps) as keeper:
                     model.learn(
                         remaining,
                         callback=keeper,
@@ -185,6 +199,12 @@ def _described(configuration: Configuration) -> dict[str, Any]:
     return {name: described(value) for name, value in asdict(configuration).items()}
 
 
+def _kept(configuration: Configuration, total: int) -> dict[str, Any]:
+    """Description of the configuration of a run whose end may be moved."""
+    kept = replace(configuration, hyperparameters={**configuration.hyperparameters, "n_timesteps": total})
+    return _described(kept)
+
+
 def _first_rewards(configuration: Configuration) -> list[float | str]:
     """What a fixed word earns in the environment of a configuration: a changed body or reward is told by it."""
     environment = StickSlipCrawlerEnv(**configuration.env_kwargs)
@@ -209,7 +229,7 @@ class _Keeper(BaseCallback):
         self._interval = interval
         self._on_progress = on_progress
         self._best = -np.inf
-        self._rows: list[tuple[int, float]] = []
+        self._rows: list[Evaluation] = []
         self._next = 0
         # Without flips and draws one episode says all; with them it takes several.
         arguments = run.configuration.env_kwargs
@@ -220,11 +240,9 @@ class _Keeper(BaseCallback):
     def __enter__(self) -> "_Keeper":
         if self._table.exists():
             # What was evaluated after the last checkpoint will be evaluated again.
-            rows = np.loadtxt(self._table, delimiter=",", skiprows=1, ndmin=2, encoding="utf-8")
-            rows = rows[rows[:, 0] <= self._done]
-            self._rows = [(int(steps), float(reward)) for steps, reward in rows]
-            if self._run.best.exists():
-                self._best = max((reward for _, reward in self._rows), default=-np.inf)
+            self._rows = [row for row in read_evaluations(self._table) if row.steps <= self._done]
+            if self._rows and self._run.best.exists():
+                self._best = best_of(self._rows).reward
         return self
 
     def __exit__(self, *_: Any) -> None:
@@ -246,11 +264,23 @@ class _Keeper(BaseCallback):
     def keep(self) -> None:
         """Evaluate the policy, write down how it did, and save it."""
         self._environments.seed(_EVALUATION_SEED)
+        terms: list[tuple[float, float]] = []
+
+        def note(inside: dict[str, Any], _: dict[str, Any]) -> None:
+            terms.append(tuple(inside["info"].get(name, np.nan) for name in ("speed", "memory")))
+
         returns, lengths = evaluate_policy(
-            self.model, self._environments, n_eval_episodes=self._environments.num_envs, return_episode_rewards=True
+            self.model,
+            self._environments,
+            n_eval_episodes=self._environments.num_envs,
+            callback=note,
+            return_episode_rewards=True,
         )
         reward = float(np.sum(returns) / np.sum(lengths))
+        evaluation = Evaluation(self.num_timesteps, reward, *np.mean(terms, axis=0).tolist())
         self.logger.record("eval/mean_reward_per_step", reward)
+        self.logger.record("eval/mean_speed", evaluation.speed)
+        self.logger.record("eval/mean_memory", evaluation.memory)
         self.logger.dump(self.num_timesteps)
         # In this order a crash between two of them loses none of the others' meaning.
         if isinstance(self.model, OffPolicyAlgorithm):
@@ -259,6 +289,5 @@ class _Keeper(BaseCallback):
         if reward > self._best:
             self._best = reward
             atomically(self._run.best, self.model.save)
-        self._rows.append((self.num_timesteps, reward))
-        lines = ["steps,mean_reward_per_step", *(f"{steps},{value!r}" for steps, value in self._rows)]
-        atomically(self._table, lambda path: path.write_text("\n".join(lines) + "\n", encoding="utf-8"))
+        self._rows.append(evaluation)
+        write_evaluations(self._table, self._rows)

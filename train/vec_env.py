@@ -11,12 +11,11 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from ..crawler import Groups
-from ..crawler.groups import groups_of_each
 from ..envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
-from ..envs.settings import COUNTS, NUMBERS, Settings
+from ..envs.settings import COUNTS, NUMBERS
+from ..envs.sub_environment import SubEnvironment
 from ..extras import optional_import
-from .stand_in import StandIn
+from ..validation import truth_value
 
 with optional_import():
     from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn
@@ -54,7 +53,7 @@ class StickSlipVecEnv(VecEnv):
 
     Notes
     -----
-    There are no single environments behind it. `get_attr`, `set_attr` and `env_method` reach a `StandIn` for each.
+    There are no single environments behind it: `get_attr`, `set_attr` and `env_method` reach its `SubEnvironment`s.
     """
 
     def __init__(self, num_envs: int = 1, *, sparse_infos: bool = False, **arguments: Any) -> None:
@@ -63,21 +62,18 @@ class StickSlipVecEnv(VecEnv):
                 raise ValueError(f"{name} must not be set: SB3 resets in the same step and keeps what it is given")
         if "vectorization_mode" in arguments:
             raise ValueError("vectorization_mode must not be set: the batch is one environment")
-        if not isinstance(sparse_infos, bool):
-            raise TypeError(f"sparse_infos must be True or False, got {sparse_infos!r}")
+        sparse = truth_value("sparse_infos", sparse_infos)
         made = gym.make_vec(_NAME, num_envs, autoreset_mode=AutoresetMode.SAME_STEP, **arguments)
         self.env = cast(StickSlipCrawlerVectorEnv, made)
-        self._sparse = sparse_infos
+        self._sparse = sparse
         self._actions: NDArray[Any] | None = None
         self._rendered = list(range(num_envs) if arguments.get("rendered") is None else arguments["rendered"])
-        each = _settings_of_each(self.env, arguments.get("groups"))
-        self._stand_ins = [StandIn(self, index, settings) for index, settings in enumerate(each)]
         self.num_envs = self.env.num_envs  # `get_attr`, which the parent calls, counts by it
         super().__init__(self.env.num_envs, self.env.single_observation_space, self.env.single_action_space)
         self.metadata = StickSlipCrawlerEnv.metadata
         made_from = cast(EnvSpec, made.spec)
         limit = arguments.get("max_episode_steps", made_from.max_episode_steps)
-        self.spec = replace(made_from, max_episode_steps=limit)
+        self.spec = self.env.spec = replace(made_from, max_episode_steps=limit)
 
     def reset(self) -> NDArray[np.float32]:
         """Put all crawlers at rest, with the seeds of the last call of `seed` if there was one since.
@@ -88,10 +84,10 @@ class StickSlipVecEnv(VecEnv):
             What else is told of the episodes is in `reset_infos`.
         """
         self._actions = None
-        observations, told = self.env.reset(seed=self._seeds)
-        self._keep_reset_infos(told, range(self.num_envs))
+        observations, _ = self.env.reset(seed=self._seeds, options=_together(self._options))
+        self._keep_reset_infos(range(self.num_envs))
         self._reset_seeds()
-        self._reset_options()  # the environment knows none
+        self._reset_options()
         return observations
 
     def step_async(self, actions: NDArray[Any]) -> None:
@@ -125,7 +121,7 @@ class StickSlipVecEnv(VecEnv):
         infos = self._infos_within(told, all_over=len(over) == self.num_envs)
         if over:
             self._tell_the_ends(infos, told, over, truncations & ~terminations)
-            self._keep_reset_infos(told, over)
+            self._keep_reset_infos(over)
         return observations, rewards.astype(np.float32), dones, infos
 
     def close(self) -> None:
@@ -148,19 +144,6 @@ class StickSlipVecEnv(VecEnv):
             return None
         return super().render(mode)
 
-    def reset_one(self, index: int, seed: int | None = None) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Put one crawler at rest, with its own seed if one is given, as `StickSlipCrawlerEnv` does."""
-        seeds: list[int | None] = [None] * self.num_envs
-        seeds[index] = seed
-        observations, told = self.env.reset(seed=seeds, options={"reset_mask": np.arange(self.num_envs) == index})
-        self._keep_reset_infos(told, [index])
-        return observations[index], self.reset_infos[index]
-
-    def picture_of(self, index: int) -> NDArray[np.uint8] | None:
-        """A picture of one crawler; None where it is not among the `rendered`, or a window shows all."""
-        pictures = self.env.render()
-        return None if pictures is None or index not in self._rendered else pictures[self._rendered.index(index)]
-
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """An attribute of some sub-environments, of all by default."""
         return [getattr(crawler, attr_name) for crawler in self._chosen(indices)]
@@ -180,14 +163,13 @@ class StickSlipVecEnv(VecEnv):
         """Whether some sub-environments are wrapped: none is."""
         return [False for _ in self._chosen(indices)]
 
-    def _chosen(self, indices: VecEnvIndices) -> list[StandIn]:
-        return [self._stand_ins[i] for i in self._get_indices(indices)]
+    def _chosen(self, indices: VecEnvIndices) -> list[SubEnvironment]:
+        return [self.env.sub_environments[i] for i in self._get_indices(indices)]
 
     def _infos_within(self, told: Mapping[str, Any], all_over: bool) -> list[dict[str, Any]]:
         """Infos of a step, as if no episode had ended with it."""
         if self._sparse or all_over:
             return [{_TRUNCATED: False} for _ in range(self.num_envs)]
-        begun = self.reset_infos
         # A display with its keys written out takes a third of the time of any other way to make the dicts.
         return [
             {
@@ -197,12 +179,12 @@ class StickSlipVecEnv(VecEnv):
                 "innovation": innovation,
                 "valve": valve,
                 "slips": slips,
-                "groups": of_reset["groups"].copy(),
-                "slope": of_reset["slope"],
+                "groups": groups.copy(),
+                "slope": slope,
                 _TRUNCATED: False,
             }
-            for speed, memory, distance, innovation, valve, slips, of_reset in zip(
-                *(told[name].tolist() for name in (*NUMBERS, *COUNTS)), begun, strict=True
+            for speed, memory, distance, innovation, valve, slips, (groups, slope) in zip(
+                *(told[name].tolist() for name in (*NUMBERS, *COUNTS)), self.env.crawlers_by_name, strict=True
             )
         ]
 
@@ -214,9 +196,9 @@ class StickSlipVecEnv(VecEnv):
             infos[i] = _one_of(last, i)
             infos[i] |= {_TRUNCATED: bool(cut[i]), "terminal_observation": observations[i]}
 
-    def _keep_reset_infos(self, told: Mapping[str, Any], begun: Sequence[int]) -> None:
+    def _keep_reset_infos(self, begun: Sequence[int]) -> None:
         for i in begun:
-            self.reset_infos[i] = _one_of(told, i)
+            self.reset_infos[i] = self.env.begun(i)
 
 
 def _one_of(told: Mapping[str, Any], i: int) -> dict[str, Any]:
@@ -228,8 +210,7 @@ def _one_of(told: Mapping[str, Any], i: int) -> dict[str, Any]:
     }
 
 
-def _settings_of_each(env: StickSlipCrawlerVectorEnv, groups: Any) -> list[Settings]:
-    each = groups_of_each(groups)
-    if isinstance(each, Groups):
-        return [env.settings] * env.num_envs
-    return [replace(env.settings, groups=choice) for choice in each]
+def _together(options: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Options of each sub-environment, as the batch takes them."""
+    names = {name for one in options for name in one}
+    return {name: [one.get(name) for one in options] for name in names}

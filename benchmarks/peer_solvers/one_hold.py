@@ -15,7 +15,8 @@ from numba import njit
 
 from peer_solvers.problem import GROUPS, WORD
 from stickslip.crawler import Scene
-from stickslip.envs.stepping import rest, Stepper, stepper_for
+from stickslip.envs.settings import Settings
+from stickslip.envs.stepping import NO_MEMORY, rest, Stepper, stepper_for, TOLD
 
 __all__ = ["measure_calls"]
 
@@ -27,11 +28,12 @@ def measure_calls(rounds: int) -> list[dict[str, Any]]:
     """Quartiles in microseconds a hold, a dictionary a case."""
     results = []
     for hold, tolerance in CASES:
-        stepper = stepper_for(GROUPS, Scene(), hold, tolerance, 1)
+        settings = Settings.of(groups=GROUPS, hold=hold, tolerance=tolerance, dither=0.0, memory_weight=0.0)
+        stepper = stepper_for(settings, GROUPS, Scene())
         works = {
-            "call": partial(_from_python, stepper.hold_valve, stepper),
+            "call": partial(_from_python, stepper.step, stepper),
             "dispatch": partial(_from_python, _nothing, stepper),
-            "physics": partial(_from_compiled, _all_holds(stepper.hold_valve), stepper),
+            "physics": partial(_from_compiled, _all_holds(stepper.step), stepper),
         }
         for work in works.values():
             work()  # compiles
@@ -50,31 +52,31 @@ def measure_calls(rounds: int) -> list[dict[str, Any]]:
 
 
 def _from_python(kernel, stepper: Stepper) -> None:
-    body, samples, observation = _arrays()
+    body, *rest_of = _arrays(stepper)
     for command in WORD.tolist():
-        kernel(body, stepper.fixed, command, samples, stepper.workspace, observation)
+        kernel(body, stepper.fixed, command, 0, 0, *rest_of, 0)
 
 
 def _from_compiled(all_holds, stepper: Stepper) -> None:
-    body, samples, observation = _arrays()
-    all_holds(body, stepper.fixed, WORD, samples, stepper.workspace, observation)
+    body, *rest_of = _arrays(stepper)
+    all_holds(body, stepper.fixed, WORD, *rest_of)
 
 
-def _arrays():
-    return rest(), np.empty((5, 1)), np.empty(5, np.float32)
+def _arrays(stepper: Stepper):
+    return rest(), np.empty((5, 1)), stepper.workspace, np.empty(5, np.float32), np.empty(TOLD), *NO_MEMORY
 
 
 # Neither is cached on disk: numba would go on using the kernel that it saw first.
 @njit(nogil=True, error_model="numpy")
-def _nothing(body, fixed, valve, samples, workspace, observation):
-    return 0, 0.0
+def _nothing(body, fixed, valve, _, __, samples, workspace, observation, told, w, c, h, r, seen):
+    return 0
 
 
 @cache
-def _all_holds(hold_valve):
+def _all_holds(step):
     @njit(nogil=True, error_model="numpy")
-    def all_holds(body, fixed, word, samples, workspace, observation):
+    def all_holds(body, fixed, word, samples, workspace, observation, told, w, c, h, r):
         for command in word:
-            hold_valve(body, fixed, int(command), samples, workspace, observation)
+            step(body, fixed, int(command), 0, 0, samples, workspace, observation, told, w, c, h, r, 0)
 
     return all_holds

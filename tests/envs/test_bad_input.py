@@ -94,7 +94,22 @@ def test_more_delays_than_the_calibration_is_long_either_work_or_are_refused_by_
 
 @pytest.mark.parametrize(
     "action",
-    [2, -1, 0.5, 1.0, None, "1", [0], np.array([0, 1]), np.array([1]), np.float32(1), np.array(1.0), 10**30],
+    [
+        2,
+        -1,
+        0.5,
+        1.0,
+        None,
+        "1",
+        [0],
+        np.array([0, 1]),
+        np.array([1]),
+        np.float32(1),
+        np.array(1.0),
+        10**30,
+        np.array([True]),
+        np.str_(1),
+    ],
     ids=repr,
 )
 def test_an_action_that_is_refused_steps_nothing(action):
@@ -112,7 +127,7 @@ def test_an_action_that_is_refused_steps_nothing(action):
         assert rest == others
 
 
-@pytest.mark.parametrize("kind", [int, np.int8, np.int64, np.uint8, np.array, bool], ids=repr)
+@pytest.mark.parametrize("kind", [int, np.int8, np.int64, np.uint8, np.array, bool, np.bool_], ids=repr)
 def test_every_kind_of_integer_is_an_action(kind):
     env, twin = StickSlipCrawlerEnv(), StickSlipCrawlerEnv()
     env.reset(seed=0), twin.reset(seed=0)

@@ -11,12 +11,15 @@ import warnings
 
 import gymnasium as gym
 import numpy as np
+import pygame
 import pytest
 from gymnasium.utils.env_checker import check_env
+from gymnasium.utils.play import play
+from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers import DiscretizeObservation, RescaleObservation
 
 import stickslip
-from stickslip import Groups, Scene, simulate
+from stickslip import Actuator, Groups, Scene, simulate
 from stickslip.crawler import SolverError
 from stickslip.envs import StickSlipCrawlerEnv
 
@@ -235,6 +238,54 @@ def test_the_arguments_survive_json():
     steps = rollout(env, commands(50))
     for twin in (again, loaded):
         assert_same_steps(steps, rollout(twin, commands(50)))
+
+
+@pytest.mark.parametrize("make", [gym.make, lambda name, **arguments: gym.make_vec(name, 2, **arguments)])
+def test_numbers_of_numpy_and_what_stands_for_groups_survive_json(make):
+    arguments = {
+        "groups": {"duffing": np.float32(0.75)},
+        "scene": {"ratchet": np.bool_(False), "slope": np.float64(0.1)},
+        "hold": np.float32(0.7),
+        "delays": np.int64(3),
+        "virtual_nodes": np.uint8(2),
+        "randomize": {"deborah": np.array([0.5, 1.0], np.float32), "damping_ratio": (np.float32(0.0), 1)},
+    }
+    env = make(NAME, **arguments)
+    for spec in (env.spec, env.unwrapped.spec):
+        kwargs = gym.envs.registration.EnvSpec.from_json(spec.to_json()).kwargs
+        assert kwargs["hold"] == float(np.float32(0.7))
+        again = make(NAME, **{name: kwargs[name] for name in arguments})
+        assert again.unwrapped.settings == env.unwrapped.settings
+    for groups in (Groups(duffing=2.0), Actuator.ecoflex(), {"duffing": 1}, "linear"):
+        env = make(NAME, groups=groups, scene=Scene(slope=0.1))
+        kwargs = json.loads(env.spec.to_json())["kwargs"]
+        assert Groups.of(kwargs["groups"]) == Groups.of(groups)
+        assert Scene.of(kwargs["scene"]) == Scene(slope=0.1)
+
+
+def test_a_batch_of_several_groups_survives_json():
+    env = gym.make_vec(NAME, 2, groups=["linear", Groups(deborah=2.0)], autoreset_mode=AutoresetMode.SAME_STEP)
+    spec = gym.envs.registration.EnvSpec.from_json(env.spec.to_json())
+    twin = gym.make_vec(spec)
+    assert twin.get_attr("settings") == env.get_attr("settings")
+    assert twin.autoreset_mode is AutoresetMode.SAME_STEP
+
+
+def test_the_space_bar_opens_the_valve(monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    env = gym.make(NAME, render_mode="rgb_array", dither=0.0, memory_weight=0.0)
+    valves = []
+
+    def watch(*step):
+        valves.append(step[-1]["valve"])
+        kinds = {3: pygame.KEYDOWN, 6: pygame.KEYUP}
+        if len(valves) in kinds:
+            pygame.event.post(pygame.event.Event(kinds[len(valves)], key=pygame.K_SPACE))
+        elif len(valves) == 8:
+            pygame.event.post(pygame.event.Event(pygame.QUIT))
+
+    play(env, fps=1000, callback=watch)
+    assert valves == [0, 0, 0, 1, 1, 1, 0, 0]
 
 
 def test_an_episode_is_a_thousand_steps_and_never_terminates():

@@ -151,6 +151,49 @@ def test_reset_tells_what_every_step_does(mode):
     assert some["_groups"].tolist() == some["groups"]["_duffing"].tolist() == [True, False, True]
 
 
+@pytest.mark.parametrize("mode", [*AutoresetMode, "Disabled"])
+def test_the_mode_of_resets_is_an_attribute(mode):
+    batch = make_vec(2, autoreset_mode=mode)
+    assert batch.autoreset_mode is batch.metadata["autoreset_mode"] is AutoresetMode(mode)
+
+
+def test_attributes_and_methods_are_reached_as_in_a_sync_vector_env():
+    groups = ["linear", {"duffing": 2.0}, None]
+    batch, singles = (make(3, groups=groups, scene={"slope": 0.1}) for make in (make_vec, one_by_one))
+    for each in (batch, singles):
+        each.reset(seed=4)
+        each.step([1, 0, 1])
+    for name in ("settings", "episode_groups", "episode_scene", "render_mode", "observation_space", "action_space"):
+        assert batch.get_attr(name) == singles.get_attr(name), name
+    for name in ("np_random_seed", "metadata", "get_keys_to_action"):
+        expected = singles.get_attr(name)
+        assert batch.get_attr(name) == batch.call(name) == expected, name
+    for mine, other in zip(batch.get_attr("np_random"), singles.get_attr("np_random"), strict=True):
+        assert mine.bit_generator.state == other.bit_generator.state
+    for each in (batch, singles):
+        each.set_attr("mine", 12)
+        assert each.get_attr("mine") == (12, 12, 12)
+        each.set_attr("mine", [1, 2, 3])
+        assert each.get_attr("mine") == (1, 2, 3)
+        each.set_attr("np_random", [np.random.default_rng(i) for i in range(3)])
+        assert each.get_attr("np_random_seed") == (-1, -1, -1)
+        with pytest.raises(ValueError, match=r"[Vv]alues must be .* 3"):
+            each.set_attr("mine", [1, 2])
+        with pytest.raises(AttributeError, match="nothing"):
+            each.get_attr("nothing")
+    assert_same(batch.step([1, 1, 0]), singles.step([1, 1, 0]))
+    answers = [each.call("reset", seed=7, options={"slope": 0.2}) for each in (batch, singles)]
+    assert_same(*answers)
+    assert_same(batch.step([1, 1, 0]), singles.step([1, 1, 0]))
+
+
+def test_attributes_of_an_episode_that_has_not_begun_are_none():
+    with pytest.raises(AttributeError, match="no episode has begun"):
+        make_vec(2).get_attr("episode_groups")
+    with pytest.raises(RuntimeError, match="cannot be stepped alone"):
+        make_vec(2).call("step", 1)
+
+
 def test_seeds_can_be_given_one_by_one():
     batch, singles = make_vec(3, randomize={"duffing": [0, 1]}), one_by_one(3, randomize={"duffing": [0, 1]})
     assert_same(batch.reset(seed=[5, 3, 9]), singles.reset(seed=[5, 3, 9]))

@@ -23,12 +23,12 @@ def python_of(name):
     folder = Path(sys.prefix) / "interop" / name
     python = folder / "bin" / "python"
     made_from = folder / "requirements.txt"
-    if not made_from.exists() or made_from.read_text() != requirements.read_text():
+    if not made_from.exists() or made_from.read_bytes() != requirements.read_bytes():
         shutil.rmtree(folder, ignore_errors=True)
         _run("-m", "venv", "--without-pip", str(folder))
         (packages,) = folder.glob("lib/python*/site-packages")
         below = "".join(f"import site; site.addsitedir({path!r})\n" for path in site.getsitepackages())
-        (packages / "below.pth").write_text(below)
+        (packages / "below.pth").write_text(below, encoding="utf-8")
         # All that is needed is named with its version: nothing is resolved, so that nothing else is replaced.
         _run("-m", "pip", "--python", str(python), "install", "--quiet", "--no-deps", "-r", str(requirements))
         shutil.copyfile(requirements, made_from)

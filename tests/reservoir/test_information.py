@@ -247,7 +247,7 @@ def test_what_rests_on_too_few_events_is_said():
     e = innovations(3000, 0.02)
     line = delay_line(e, 2)
     with pytest.warns(
-        UserWarning, match=r"[0-9]+ functions explain more than chance, but on fewer than [34][0-9][0-9] "
+        UserWarning, match=r"[0-9]+ functions explain more than chance, but on fewer than [78][0-9][0-9] "
     ):
         information_processing_capacity(line.prod(axis=1)[:, None], e, max_degree=2, delays=4)
     fair = information_processing_capacity(delay_line(signs(3000), 2).prod(axis=1)[:, None], signs(3000), delays=4)
@@ -290,7 +290,8 @@ def test_chance_is_taken_off_what_is_found():
         raw.append(np.sum(1 - (1 - capacity.capacity) * (1 - capacity.chance)))
     assert np.mean(totals) == pytest.approx(30, abs=0.2)
     assert np.mean(raw) > 30.5
-    np.testing.assert_allclose(capacity.chance, 30 / 1200, rtol=0.1)
+    assert capacity.chance[0] == pytest.approx(60 / 1200, rel=0.01)
+    assert capacity.chance.mean() == pytest.approx(30 / 1200, rel=0.1)
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():

@@ -50,7 +50,7 @@ def test_a_run_keeps_its_configuration_checkpoints_evaluations_and_logs(short_ru
     assert short_run.latest_checkpoint() == short_run.checkpoint(512)
     assert list((short_run.folder / "tensorboard").rglob("events.*"))
     header, *rows = (short_run.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()
-    assert header == "steps,mean_reward_per_step"
+    assert header == "steps,mean_reward_per_step,mean_speed,mean_memory"
     assert [int(row.split(",")[0]) for row in rows] == sorted(int(row.split(",")[0]) for row in rows)
     assert rows[-1].startswith("512,")
 
@@ -254,6 +254,31 @@ def test_a_best_policy_lost_in_a_crash_is_made_again(tmp_path):
     steps = [int(row.split(",")[0]) for row in (again / "evaluations.csv").read_text(encoding="utf-8").splitlines()[1:]]
     assert 400 not in steps
     assert len(steps) == len(set(steps))
+
+
+def test_a_run_that_has_ended_may_be_extended(tmp_path):
+    small = {"n_envs": 4, "n_steps": 64, "batch_size": 64}
+    run = train(configuration(256, **small), tmp_path / "run")
+    rows = (run.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()
+    done = []
+    extended = train(configuration(512, **small), run.folder, resume=True, on_progress=done.append)
+    assert done[0] > 256
+    assert load_policy(extended, extended.final).num_timesteps == 512
+    assert (run.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()[: len(rows)] == rows
+    # The folder knows of it: a second crash would be resumed to the new end.
+    assert Run.open(run.folder).configuration == configuration(512, **small)
+
+
+def test_a_run_does_not_end_before_what_it_has_done_nor_change_otherwise(short_run):
+    kept = short_run.configuration
+    for name, value, message in (
+        ("n_timesteps", 256, "n_timesteps must be at least 512, which run .* has done, got 256"),
+        ("gamma", 0.5, r"hyperparameters\.gamma"),
+    ):
+        other = replace(kept, hyperparameters={**kept.hyperparameters, name: value})
+        with pytest.raises(ValueError, match=message):
+            train(other, short_run.folder, resume=True)
+        assert Run.open(short_run.folder).configuration == kept
 
 
 def test_what_is_left_of_a_run_is_not_mixed_into_another(short_run, tmp_path):

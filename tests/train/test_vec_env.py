@@ -2,6 +2,7 @@
 
 import copy
 import json
+import re
 import subprocess
 import sys
 
@@ -153,11 +154,20 @@ def test_seeds_are_used_once_and_differ_where_none_is_given():
 
 def test_options_are_taken_and_used_once():
     native, singles = StickSlipVecEnv(2), dummy(2)
-    for each in (native, singles):
-        each.seed(0)
-        each.set_options({"reset_mask": "of no meaning here"})
-        each.reset()
-    assert native._options == singles._options == [{}, {}]
+    for options in ({"slope": 0.1}, [{}, {"groups": {"duffing": 2.0}}]):
+        for each in (native, singles):
+            each.seed(0)
+            each.set_options(options)
+        assert_same(native.reset(), singles.reset())
+        assert native._options == singles._options == [{}, {}]
+        assert native.reset_infos == singles.reset_infos
+        assert_same(native.step(np.ones(2, int)), singles.step(np.ones(2, int)))
+        assert native.get_attr("episode_groups") == singles.get_attr("episode_groups")
+    native.set_options({"wind": 1.0})
+    with pytest.raises(ValueError, match=re.escape("options has no 'wind'; allowed are")):
+        native.reset()
+    native.set_options()
+    native.reset(), singles.reset()
     assert_same(native.step(np.ones(2, int)), singles.step(np.ones(2, int)))
 
 

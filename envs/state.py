@@ -1,0 +1,87 @@
+"""A crawler in the middle of an episode: what planners save, copy and go back to."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..crawler import Groups, Scene
+from .settings import COUNTS, NUMBERS, Settings
+
+__all__ = ["CrawlerState", "observation_of", "refuse_foreign"]
+
+# Counted up whenever a state of before would no longer be gone on from to the bit.
+VERSION = 1
+_VALVE = len(NUMBERS) + COUNTS.index("valve")
+
+
+@dataclass(frozen=True, eq=False)
+class CrawlerState:
+    """All that the rest of an episode depends on, of one crawler.
+
+    `get_state` of `StickSlipCrawlerEnv` or `StickSlipCrawlerVectorEnv` makes it, and `set_state` of either goes on from
+    it, to the last bit. It can be pickled; what it holds is its own and nobody's to change.
+
+    Attributes
+    ----------
+    settings : Settings
+        Of the environment.
+    groups, scene : Groups, Scene
+        Of the episode.
+    body : (7,) array
+        Deformation, velocity, pressure, foot, foot velocity, kind of motion and slips so far.
+    steps : int
+        Of the episode so far.
+    told : (6,) array
+        Speed, memory, distance, innovation, valve and slips, as the last step told them.
+    readout : tuple of arrays
+        Of the memory: weights, the lower half of the covariance by rows, and past innovations, newest first; empty
+        where there is no message.
+    over : bool
+        Whether the episode has come to its end and a batch is to begin the next.
+    generator : numpy.random.Generator or None
+        None where it was not asked for: whoever is set to this state goes on with its own.
+    seed : int or None
+        Of the generator.
+    version : int
+        Of this form.
+    """
+
+    settings: Settings
+    groups: Groups
+    scene: Scene
+    body: NDArray[np.float64]
+    steps: int
+    told: NDArray[np.float64]
+    readout: tuple[NDArray[np.float64], ...]
+    over: bool
+    generator: np.random.Generator | None
+    seed: int | None
+    version: int = VERSION
+
+
+def observation_of(state: CrawlerState) -> NDArray[np.float32]:
+    """What the last step has shown, shape (5,)."""
+    deformation, velocity, pressure, _, foot_velocity = state.body[:5]
+    return np.array([deformation, velocity, pressure, foot_velocity, state.told[_VALVE]], np.float32)
+
+
+def refuse_foreign(state: object, settings: Settings) -> None:
+    """Refuse a state that an environment of these settings cannot go on from.
+
+    Raises
+    ------
+    TypeError
+        If it is none.
+    ValueError
+        If it is of another version, or of other settings; the message names the first that differs.
+    """
+    if not isinstance(state, CrawlerState):
+        raise TypeError(f"state must be a CrawlerState, as get_state returns it, got {state!r}")
+    version = getattr(state, "version", None)
+    if version != VERSION:
+        raise ValueError(f"state must be of version {VERSION}, got one of version {version}")
+    for field in fields(Settings):
+        own, other = (getattr(each, field.name, None) for each in (settings, state.settings))
+        if own != other:
+            raise ValueError(f"state must come from an environment of {field.name} = {own!r}, got one of {other!r}")
