@@ -90,7 +90,7 @@ def test_the_search_finds_an_offender():
 
 def test_no_kernel_gives_python_a_tuple_class():
     kernels = called_from_python()
-    known = {"_drive_on", "_drive_chain_on", "hold_valve", "step_batch"}
+    known = {"_drive_on", "_drive_chain_on", "step", "step_batch"}
     assert known <= {kernel.py_func.__name__ for kernel in kernels}
     for _, use in uses():
         use()
