@@ -15,19 +15,25 @@ __all__ = ["as_json", "as_markdown", "as_rows", "differences", "estimates", "ver
 
 _LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "scikit-learn")
 _DIGITS = {"NRMSE": 3, "accuracy": 3}
+_BOUNDS = {"accuracy": (0.0, 1.0)}
 
 
-def estimates(records: Iterable[Record], bounds: tuple[float, float] | None = None) -> dict[tuple[str, str], Estimate]:
+def estimates(
+    records: Iterable[Record], tasks: Mapping[str, Task] | None = None, bounds: tuple[float, float] | None = None
+) -> dict[tuple[str, str], Estimate]:
     """Mean over seeds with its 95% interval, by task and reservoir in order of first appearance.
 
-    Of a single seed the ends of the interval are not numbers. The bounds are those of `mean_over_runs`.
+    Of a single seed the ends of the interval are not numbers. The bounds are those of `mean_over_runs`; where `tasks`
+    are given, each score has those of its metric.
     """
     values: dict[tuple[str, str], list[float]] = {}
     for record in records:
         values.setdefault((record.task, record.reservoir), []).append(record.score)
     return {
-        key: mean_over_runs(scores, bounds=bounds) if len(scores) > 1 else Estimate(scores[0], math.nan, math.nan, 1)
-        for key, scores in values.items()
+        (task, reservoir): mean_over_runs(scores, bounds=_BOUNDS.get(tasks[task].metric.name) if tasks else bounds)
+        if len(scores) > 1
+        else Estimate(scores[0], math.nan, math.nan, 1)
+        for (task, reservoir), scores in values.items()
     }
 
 

@@ -59,6 +59,14 @@ def test_the_json_says_what_was_run_and_every_score():
     assert told["scores"][2] == {"task": PARITY, "reservoir": "crawler", "seed": 1, "score": 2.0, "profile": [1.0]}
 
 
+def test_an_interval_of_shares_stays_among_them():
+    task = "waveform accuracy"
+    kept = records(task, [1.0] * 14 + [0.9])
+    assert estimates(kept)[task, "crawler"].high > 1
+    each = estimates(kept, TASKS)[task, "crawler"]
+    assert each.low < each.mean < each.high == 1.0
+
+
 def test_differences_are_paired_by_draw():
     """Scores that vary by 10 from draw to draw, and by 1 and 2 between reservoirs: t(0.975, 1) s / sqrt(2) = 6.353."""
     kept = records(NARMA, [10.0, 20.0], "a") + records(NARMA, [11.0, 22.0], "b") + records(PARITY, [1.0, 1.0], "a")
