@@ -376,6 +376,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         self._steps = state.steps
         if state.generator is not None:
             self._np_random, self._np_random_seed = deepcopy(state.generator), state.seed
+        self._draw_from(self.np_random)  # which there is none of before the first reset
 
     def close(self) -> None:
         """Close the window, if there is one."""

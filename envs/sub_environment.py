@@ -108,6 +108,6 @@ class SubEnvironment(gym.Env[NDArray[np.float32], np.int64]):
         self._batch.np_random = generators
 
     @property
-    def np_random_seed(self) -> int:
+    def np_random_seed(self) -> int | None:  # type: ignore[override]
         """Seed of its generator; -1 where a generator was given."""
         return self._batch.np_random_seed[self._index]

@@ -98,6 +98,19 @@ def test_a_state_without_its_generator_leaves_the_flips_to_come():
         assert batch.step(np.zeros(3, int))[4]["valve"].tolist() == flips
 
 
+def test_flips_come_after_a_state_that_no_reset_came_before():
+    env = single(dither=0.5)
+    env.reset(seed=3)
+    state = env.get_state(generator=False)
+    fresh = single(dither=0.5)
+    fresh.set_state(state)
+    valves = [fresh.step(0)[4]["valve"] for _ in range(100)]
+    assert 20 < sum(valves) < 80  # 8 in 10^10 are not
+    batch = StickSlipCrawlerVectorEnv(2, dither=0.5)
+    batch.set_state(state)
+    assert 40 < sum(batch.step([0, 0])[4]["valve"].sum() for _ in range(100)) < 160
+
+
 def test_a_saved_state_is_nobody_elses():
     env = single()
     env.reset(seed=3)
