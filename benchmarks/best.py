@@ -34,6 +34,7 @@ from stickslip.tasks import (
     echo_state_space,
     EchoState,
     held_out_scores,
+    MEASURES,
     Reservoir,
     search,
     TASKS,
@@ -276,7 +277,7 @@ def measured(task: str, bodies: int, networks: int) -> dict[str, Any]:
             kind: {**each, "reservoir": repr(each["reservoir"]), "features": each["reservoir"].features}
             for kind, each in found.items()
         },
-        "probes": probes({task: TASKS[task]}, {}),
+        "probes": probes({name: {**TASKS, **MEASURES}[name] for name in (task, "information capacity")}, {}),
         "tests": tests,
         "with_noise": with_noise,
         "curves": {name: curve(task, each, counts) for name, each in reservoirs.items() if name != "crawler"},
