@@ -60,7 +60,7 @@ PROGRAMS = {
     "steps": ("steps(single(), 1, 2)", "steps(single(), 1, -1)"),
     "batched steps": ("steps(batch(9), np.ones(9, int), 2)", "steps(batch(2000), np.ones(2000, int), -1)"),
     "batched steps of long holds": (
-        "steps(batch(9), np.ones(9, int), 2)",
+        "steps(batch(9, hold=10_000), np.ones(9, int), 2)",
         "steps(batch(400, hold=10_000), np.ones(400, int), -1)",
     ),
 }
@@ -210,11 +210,11 @@ def test_a_command_interrupted_at_any_moment(tmp_path, name, attempt):
         ("search", "evaluations.json", {"--evaluations": "40", "--length": "1000"}),
         (
             "bench",
-            "finished/*-*.json",
+            "finished/[!.]*-*.json",
             {"--seeds": "1", "--length": "1500", "--tasks": "memory capacity"},
         ),
-        ("train", "checkpoints/*.zip", {"--steps": "60000"}),
-        ("demo", "policies/speed/checkpoints/*.zip", {"--steps": "60000"}),
+        ("train", "checkpoints/[!.]*.zip", {"--steps": "60000"}),
+        ("demo", "policies/speed/checkpoints/[!.]*.zip", {"--steps": "60000"}),
     ],
 )
 def test_the_way_on_ends_what_was_begun(tmp_path, monkeypatch, name, first, shorter):
