@@ -285,16 +285,18 @@ class Fleet:
         self._calibrate()
         self.want_generators()
         whose: dict[int, list[int]] = {}  # many may branch from one
+        others: dict[int, tuple[Groups, Scene]] = {}  # who are to be others than they are
         for i, state in enumerate(states):
             if state is not None:
                 whose.setdefault(id(state), []).append(i)
+                crawler, kind = (state.groups, state.scene), self._kinds[self._kind[i]]
+                self._strange[i] = crawler != (kind.groups, kind.scene)
+                if self._solvers[i] == "" or self.crawlers[i] != crawler:
+                    others[i] = crawler
+        self._settle(list(others), list(others.values()))
         for indices in whose.values():
             state = states[indices[0]]
             assert state is not None
-            crawler = state.groups, state.scene
-            self._strange[indices] = [crawler != (kind.groups, kind.scene) for kind in self._kinds_of(indices)]
-            others = [i for i in indices if self._solvers[i] == "" or self.crawlers[i] != crawler]
-            self._settle(others, [crawler] * len(others))
             self.batch.bodies[:, indices] = state.body[:, np.newaxis]
             self.batch.steps[indices] = state.steps
             self.results.observations[indices] = observation_of(state)

@@ -69,6 +69,16 @@ def test_an_episode_goes_on_to_the_bit_alone_and_in_a_batch(arguments, steps):
     assert life_of_one(batch, 4, commands(50, 1)) == expected
 
 
+@pytest.mark.parametrize("arguments", ARGUMENTS, ids=str)
+def test_a_batch_that_was_never_reset_goes_on_from_states_of_many(arguments):
+    batch, other = (StickSlipCrawlerVectorEnv(9, **arguments) for _ in range(2))
+    batch.reset(seed=3)
+    life_of_one(batch, 0, commands(10))
+    other.set_state(pickle.loads(pickle.dumps(batch.get_state())))
+    for i in range(9):
+        assert life_of_one(batch, i, commands(3, i)) == life_of_one(other, i, commands(3, i))
+
+
 def test_those_that_are_not_set_go_on():
     batch, twin = (StickSlipCrawlerVectorEnv(10) for _ in range(2))
     for each in (batch, twin):
