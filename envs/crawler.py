@@ -275,6 +275,23 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         }
         return observation, reward, False, False, info
 
+    @property
+    def np_random(self) -> np.random.Generator:
+        """Generator of one number a step, and of what `randomize` draws at a reset; the next step draws from it.
+
+        Raises
+        ------
+        TypeError
+            If it is set to anything but a generator.
+        """
+        return super().np_random
+
+    @np_random.setter
+    def np_random(self, value: np.random.Generator) -> None:
+        if not isinstance(value, np.random.Generator):
+            raise TypeError(f"np_random must be a numpy.random.Generator, got {value!r}")
+        self._np_random, self._np_random_seed = value, -1
+
     @staticmethod
     def get_keys_to_action() -> dict[tuple[int, ...], int]:
         """Keys and actions for `gymnasium.utils.play`: the space bar opens the valve."""

@@ -7,7 +7,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from stickslip.envs import StickSlipCrawlerVectorEnv
+from stickslip.envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
 from stickslip.train import StickSlipVecEnv
 
 NAME = "StickSlipCrawler-v0"
@@ -164,3 +164,12 @@ def test_generators_that_are_refused_set_nothing(value):
     with pytest.raises((TypeError, ValueError), match=r"np_random must be .*2.* got"):
         envs.np_random = value
     assert flips_of_each(envs) == [flips_of(np.random.default_rng(i)) for i in range(2)]
+
+
+@pytest.mark.parametrize("value", [None, 3, np.random.RandomState(0), [np.random.default_rng(0)]], ids=str)
+def test_what_is_no_generator_is_refused_and_the_flips_go_on(value):
+    env = StickSlipCrawlerEnv(dither=DITHER)
+    env.reset(seed=0)
+    with pytest.raises(TypeError, match=r"np_random must be a numpy\.random\.Generator, got"):
+        env.np_random = value
+    assert flips(env) == flips_of(np.random.default_rng(0))
