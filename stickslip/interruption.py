@@ -1,6 +1,7 @@
 """A command that is interrupted says in one line how to go on."""
 
 import shlex
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +15,7 @@ with optional_import():
 __all__ = ["INTERRUPTED", "Interruptible", "way_on"]
 
 # The status that shells give to what an interrupt ended: 128 and the number of the signal.
-INTERRUPTED = 130
+INTERRUPTED = 128 + signal.SIGINT
 # What the output folder of a command that takes --resume holds, once there is anything to resume.
 _RESUMABLE = {"train": "configuration.yml", "bench": "finished"}
 # Commands that go on by themselves when they are called again.
