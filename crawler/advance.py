@@ -31,6 +31,7 @@ from .energy import account
 from .equations import pressure_after
 from .events import change_motion, next_event
 from .radau import radau_again, radau_step
+from .tangent import carry, saltate
 from .taylor import state_at, taylor_step
 
 __all__ = ["FARTHEST", "advance", "end_of_step", "is_near", "moment_of", "record", "sampled_by"]
@@ -159,8 +160,12 @@ def advance(
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, pace)
         if control.energy:
             ledger = account(ledger, body, following, physics, control.method, length, workspace)
+        if control.tangents:
+            carry(body, physics, control.order, length, workspace)
         elapsed = reached
         if motion != body.motion:
+            if control.tangents:
+                saltate(following, motion, physics, valve, start + elapsed, workspace)
             following = change_motion(following, motion, physics)
             if control.log:
                 if logged == events.shape[0]:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ..compilation import allocating, compiled
 from .body import FORWARD, Physics, STUCK
 from .equations import inverse_mass
+from .workspace import CHANGES
 
 __all__ = ["ENTRIES", "Propagator", "Rates", "decay", "propagator", "rates_of", "tabulate", "tabulated"]
 
@@ -181,10 +182,10 @@ def tabulate(physics: Physics, hold: float, count: int) -> NDArray[np.float64]:
 
     Returns
     -------
-    (2 count, ENTRIES) array
-        Of the resting foot, then of the sliding one.
+    (2 count + CHANGES, ENTRIES) array
+        Of the resting foot, then of the sliding one; then room for the tangents.
     """
-    table = np.empty((2 * count, ENTRIES))
+    table = np.empty((2 * count + CHANGES, ENTRIES))
     for sliding in range(2):
         rates = rates_of(physics, FORWARD if sliding else STUCK)
         for j in range(count):

@@ -105,6 +105,7 @@ class Control(NamedTuple):
     max_steps: int
     energy: bool  # whether to keep the ledger
     log: bool  # whether to write down the events
+    tangents: bool  # whether to carry the tangents
     method: Method  # its type alone matters: kernels are compiled for the one that is used
 
 

@@ -1,5 +1,7 @@
 """A crawler of one body for `simulate`: its run, and the energy it stores."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,7 @@ from .driving import drive
 from .groups import Groups
 from .scene import Scene
 from .solvers import Solver
+from .tangent import condition_of, start_changes
 from .tube import as_crawler
 
 __all__ = ["run_crawler"]
@@ -24,7 +27,7 @@ def run_crawler(
     control: Control,
     samples: NDArray[np.float64],
     solver: Solver,
-) -> tuple[Outcome, int, NDArray[np.float64], Store]:
+) -> tuple[Outcome, int, NDArray[np.float64], Store, float]:
     """Advance any tube that is one body through its schedule, in its own unit of time.
 
     Returns
@@ -35,6 +38,8 @@ def run_crawler(
     events : (events, 2) array
         Times and new motions.
     stored : Store
+    condition : float
+        As in `Trajectory`; nan unless `control` has the tangents carried.
     """
     groups, scene, unit = as_crawler(groups, scene)
     start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
@@ -43,6 +48,7 @@ def run_crawler(
     capacity = 64 + 4 * len(schedule)
     while True:
         events = np.empty((capacity, 2))
+        start_changes(workspace, start.motion)
         outcome, finished = drive(start, coefficients, schedule, hold / unit, control, samples, events, workspace)
         if outcome.status != LOG_FULL:
             break
@@ -53,7 +59,8 @@ def run_crawler(
         samples[[1, 4]] /= unit
         events[:, 0] *= unit
         outcome = outcome._replace(elapsed=outcome.elapsed * unit)
-    return outcome, finished, events, stored
+    condition = condition_of(workspace, unit) if control.tangents else math.nan
+    return outcome, finished, events, stored, condition
 
 
 def _stored(body: Body, groups: Groups, scene: Scene) -> tuple[float, float]:

@@ -136,6 +136,7 @@ def _drive_on(
             control.max_steps - steps,
             control.energy,
             control.log,
+            control.tangents,
             control.method,
         )
         outcome = advance_by_method(

@@ -20,6 +20,7 @@ from .groups import Groups
 from .linear_energy import account_linear
 from .marching import Deviation, deviation, first_fall, Margin, Modes, modes_of, safe_start
 from .polynomial import first_descent
+from .tangent import carry_linear, saltate
 from .taylor import expand
 from .workspace import ROWS, SCRATCH, WIDTH
 
@@ -71,7 +72,7 @@ def advance_linear(
     body, ledger, physics, valve, hold, control, start, samples, events, begin, end, leg
         As for `advance`. Of `control` the tolerance and the order do not matter, and `max_steps` bounds the
         evaluations in search of events; it pauses between two events only.
-    workspace : (2 S, ENTRIES) array
+    workspace : (2 S + CHANGES, ENTRIES) array
         From `tabulate`, for this crawler, hold and number S of samples.
 
     Returns
@@ -129,8 +130,13 @@ def advance_linear(
         if control.energy:
             ended = deviation(following, physics, valve, rates)
             ledger = account_linear(ledger, body, following, physics, valve, rates, deviating, ended, moment)
+        if control.tangents:
+            over = whole if last else propagator(rates, moment)
+            carry_linear(body, physics, over, moment, workspace)
         elapsed = reached
         if motion != body.motion:
+            if control.tangents:
+                saltate(following, motion, physics, valve, start + elapsed, workspace)
             following = change_motion(following, motion, physics)
             if control.log:
                 if logged == events.shape[0]:

@@ -44,6 +44,7 @@ def simulate(
     samples_per_hold: int = 1,
     initial: State | ChainState | None = None,
     max_steps: int | None = None,
+    condition: bool = False,
 ) -> Trajectory:
     """Drive one crawler, or a batch, by a sequence of valve states or of duty cycles.
 
@@ -71,6 +72,8 @@ def simulate(
         At rest by default; the same for the whole batch. A `State` stretches all segments alike.
     max_steps : int, optional
         Steps that each crawler may take in all; a million and a thousand a hold by default, fewer for long chains.
+    condition : bool
+        Whether to find `Trajectory.condition`: how far the end moves for a change of the start.
 
     Returns
     -------
@@ -80,8 +83,8 @@ def simulate(
     Raises
     ------
     ValueError, TypeError
-        If an argument is out of its range or of the wrong type, or "closed_form" is asked for of groups that are not
-        linear; the message names it.
+        If an argument is out of its range or of the wrong type, "closed_form" is asked for of groups that are not
+        linear, or `condition` of a chain of heavy segments; the message names it.
     SolverError
         If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or takes more than `max_steps`.
 
@@ -96,6 +99,10 @@ def simulate(
     if solver != AUTO and solver not in SOLVERS:
         raise ValueError(f"solver must be one of {[AUTO, *SOLVERS]}, got {solver!r}")
     samples_per_hold = whole_number("samples_per_hold", samples_per_hold, 1)
+    if type(condition) is not bool and not isinstance(condition, np.bool_):
+        raise TypeError(f"condition must be True or False, got {condition!r}")
+    if condition and is_chain(scene):
+        raise ValueError(f"condition must be False for a chain of heavy segments, got {condition!r}")
     crawlers, schedule, single = _batch(groups, valve)
     start = REST if initial is None else initial
     body, stretches = _start(start, scene)
@@ -110,14 +117,15 @@ def simulate(
     ledgers: list[Ledger] = []
     logs: list[NDArray[np.void]] = []
     solvers = [choose(solver, groups_of, scene, hold, tolerance) for groups_of in crawlers]
-    grown, scales = np.empty(batch), np.empty(batch)
+    grown, scales, conditions = np.empty(batch), np.empty(batch), np.empty(batch)
     for member, (groups_of, by) in enumerate(zip(crawlers, solvers, strict=True)):
-        control = by.control(tolerance, energy=True, log=True, max_steps=budget)
+        control = by.control(tolerance, energy=True, log=True, tangents=bool(condition), max_steps=budget)
         row = schedule[member].astype(np.float64), hold, control, samples[member]
         if is_chain(scene):
             outcome, finished, events, store = run_chain(body, stretches, groups_of, scene, *row, parts[member])
         else:
-            outcome, finished, events, store = run_crawler(body, groups_of, scene, *row, by)
+            run = run_crawler(body, groups_of, scene, *row, by)
+            outcome, finished, events, store, conditions[member] = run
         if outcome.status != FINISHED:
             reached = finished * hold + outcome.elapsed
             deformation, steps = outcome.body.deformation, outcome.steps
@@ -172,6 +180,7 @@ def simulate(
         model=_model(scene, solvers),
         groups=crawlers[0] if single else tuple(crawlers),
         initial=deepcopy(start),
+        condition=(float(conditions[0]) if single else conditions) if condition else None,
     )
 
 

@@ -34,11 +34,17 @@ class Solver(NamedTuple):
     order_for: Callable[[float], int]  # of a tolerance
 
     def control(
-        self, tolerance: float, *, energy: bool = False, log: bool = False, max_steps: int = MAX_STEPS
+        self,
+        tolerance: float,
+        *,
+        energy: bool = False,
+        log: bool = False,
+        tangents: bool = False,
+        max_steps: int = MAX_STEPS,
     ) -> Control:
         """Settings that integrate to `tolerance`, with the order that makes it cheapest."""
         order = self.order_for(tolerance)
-        return Control(tolerance, order, max_steps, energy, log, self.method(order))
+        return Control(tolerance, order, max_steps, energy, log, tangents, self.method(order))
 
 
 def _series(_physics: Physics, _hold: float, _samples_per_hold: int) -> NDArray[np.float64]:

@@ -67,6 +67,11 @@ class Trajectory:
         That were simulated, one a crawler of a batch.
     initial : State or ChainState
         Where the motion began, in the units of the arrays.
+    condition : float or (...) array or None
+        Where `simulate` was asked for it, the factor by which a small change of the start grows until the end: the
+        greatest ratio of the change of deformation, velocity, foot and foot velocity at the end to that of deformation
+        and velocity, and of foot velocity if the foot slides, at the start, both in natural units and as the root of
+        the sum of their squares. The answer is known to no more digits than this leaves of the tolerance.
     actuator : Actuator or None
         Whose SI units the arrays are in; None for natural units.
     """
@@ -91,6 +96,7 @@ class Trajectory:
     model: str
     groups: Groups | tuple[Groups, ...]
     initial: State | ChainState
+    condition: Any = None
     actuator: Actuator | None = None
 
     def __repr__(self) -> str:

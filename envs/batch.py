@@ -146,7 +146,7 @@ def _step_batch(
             batch.starts[i] = batch.bodies[_FOOT, i]
             batch.scores[i] = valve - abs(commands[i] - dither)
             results.numbers[_INNOVATION, i] = batch.scores[i]
-    control = Control(tolerance, order, max_steps, False, False, method)
+    control = Control(tolerance, order, max_steps, False, False, False, method)
     advance_lanes(
         batch.bodies,
         batch.coefficients,

@@ -165,7 +165,7 @@ def _step(
         ),
         float(valve),
         fixed[_HOLD],
-        Control(fixed[_TOLERANCE], int(fixed[_ORDER]), int(fixed[_MAX_STEPS]), False, False, method),
+        Control(fixed[_TOLERANCE], int(fixed[_ORDER]), int(fixed[_MAX_STEPS]), False, False, False, method),
         0.0,
         samples,
         workspace[:0],

@@ -62,7 +62,8 @@ def decimal_judge(groups, valve, hold, *, scene=None, samples_per_hold=1, initia
                 z, v = run.payload - run.foot, run.payload_rate - run.foot_rate
                 rows.append([float(value) for value in (z, v, run.pressure, run.foot, run.foot_rate)])
         _last_clearance(run, groups, scene)
-    return Verdict(*np.array(rows).T, run.events, run.clearance, last_foot=run.foot)
+        last = (run.payload - run.foot, run.payload_rate - run.foot_rate, run.foot, run.foot_rate)
+    return Verdict(*np.array(rows).T, run.events, run.clearance, last_foot=run.foot, last=last)
 
 
 def as_written(value: float) -> Decimal:

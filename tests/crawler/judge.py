@@ -38,6 +38,7 @@ class Verdict:
     viscous_loss: float = np.nan
     friction_loss: float = np.nan
     last_foot: float | Decimal = np.nan
+    last: tuple[Decimal, ...] = ()  # z, v, x, w at the end, where more than floats are known of them
 
     @property
     def slips(self) -> int:
