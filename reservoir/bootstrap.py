@@ -160,7 +160,7 @@ def resampled_correlations(prediction: Array, target: Array, block: int, resampl
     return np.clip(np.divide(covariance, scale, out=np.zeros_like(scale), where=scale > 0), -1, 1)
 
 
-def squared_interval(drawn: Array, estimate: Array, confidence: float) -> Array:
+def squared_interval(drawn: Array, estimate: Array, confidence: float, blocks: int) -> Array:
     """Basic interval of a correlation in the scale of its inverse hyperbolic tangent, squared.
 
     In that scale a correlation scatters alike wherever it lies, and no end leaves [-1, 1]. Where the lower end is
@@ -173,32 +173,46 @@ def squared_interval(drawn: Array, estimate: Array, confidence: float) -> Array:
     estimate : ndarray of shape (outputs,)
         Correlation of the series itself.
     confidence : float, in (0, 1)
+    blocks : int
+        As in `basic_interval`.
 
     Returns
     -------
     ndarray of shape (2, outputs)
     """
-    known = _spread_out(estimate)
-    ends = np.tanh(2 * known - percentiles(_spread_out(drawn), confidence)[::-1])
+    ends = np.tanh(basic_interval(_spread_out(drawn), _spread_out(estimate), confidence, blocks))
     squared: Array = np.maximum(ends, 0) ** 2
     # At 1 the tangent's digits end, and a score of the series is in its interval.
     score = np.maximum(estimate, 0) ** 2
     return np.array([np.minimum(squared[0], score), np.maximum(squared[1], score)])
 
 
-def percentiles(values: Array, confidence: float) -> Array:
-    """Ends of the central interval that holds a share of resampled values.
+def basic_interval(drawn: Array, estimate: Array | float, confidence: float, blocks: int) -> Array:
+    """Interval by how far resampled values lie from the estimate, which lies as far from the truth.
+
+    A spread that is known from a few blocks alone is that of Student's law: the ends are moved away from the estimate
+    by ``t / z sqrt(blocks / (blocks - 1))``, t and z being the quantiles of Student's law with ``blocks - 1`` degrees
+    of freedom and of the normal one. It is 1.22 for ten blocks, 1.02 for a hundred.
 
     Parameters
     ----------
-    values : ndarray of shape (resamples, ...)
+    drawn : ndarray of shape (resamples, ...)
+    estimate : ndarray of shape (...), or float
     confidence : float, in (0, 1)
+    blocks : int
+        Of which a resample is made.
 
     Returns
     -------
     ndarray of shape (2, ...)
     """
-    return np.quantile(values, [(1 - confidence) / 2, (1 + confidence) / 2], axis=0)
+    # Imported where it is used: it takes a fifth of a second, and whoever only steps an environment needs none of it.
+    from scipy.special import ndtri, stdtrit
+
+    beyond, degrees = (1 - confidence) / 2, max(blocks - 1, 1)
+    wider = float(stdtrit(degrees, 1 - beyond) / ndtri(1 - beyond)) * math.sqrt((degrees + 1) / degrees)
+    ends: Array = estimate + wider * (estimate - np.quantile(drawn, [1 - beyond, beyond], axis=0))
+    return ends
 
 
 def _spread_out(correlation: Array) -> Array:

@@ -1,5 +1,6 @@
 """Linear memory capacity: how much of its past input a reservoir's state still holds."""
 
+import math
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -10,12 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import finite_array, known_names, number_within, whole_number
-from .bootstrap import (
-    percentiles,
-    resampled_correlations,
-    squared_interval,
-    usual_block,
-)
+from .bootstrap import basic_interval, resampled_correlations, squared_interval, usual_block
 from .delayed import delayed_products, delayed_rows, delayed_squared_correlations, Delays
 from .metrics import squared_correlation_of_rows
 from .orthonormal import (
@@ -128,12 +124,14 @@ def memory_capacity(
     `stickslip.reservoir.significance`.
 
     That a state remembers rare flips rests on the flips. One that holds a product of two flips is a multiple of either
-    until both fall together, and passes for memory below some ``9 / dither^2`` samples. `docs/trust.md` has the rates.
+    until both fall together, and passes for memory below some ``9 / dither^2`` samples: with the fourth moment K of the
+    message in units of its variance squared, ``-ln(significance) K^2``. A warning says so. `docs/trust.md` has the
+    rates.
 
     The intervals, if resamples are asked for, are basic ones of a circular block bootstrap of the scored samples, for
-    single capacities in the scale of ``artanh(correlation)``. They say how far a score can be trusted that was
-    measured in a run as short as this one. What another run would give, with another readout and other random weights,
-    is said by `memory_over_runs`.
+    single capacities in the scale of ``artanh(correlation)``, widened to Student's law where blocks are few. They say
+    how far a score can be trusted that was measured in a run as short as this one. What another run would give, with
+    another readout and other random weights, is said by `memory_over_runs`.
 
     Parameters
     ----------
@@ -181,7 +179,8 @@ def memory_capacity(
     Warns
     -----
     UserWarning
-        If the readout is fitted on fewer than five samples a state.
+        If the readout is fitted on fewer than five samples a state, or the message moves so seldom that too few samples
+        are scored to tell it from its products.
 
     References
     ----------
@@ -231,6 +230,13 @@ def memory_capacity(
             f"it misses much of the memory that is there",
             stacklevel=2,
         )
+    needed = -math.log(significance) * _kurtosis(e) ** 2
+    if len(x) - first < needed:
+        warnings.warn(
+            f"{len(x) - first} scored samples are few for a message that moves so seldom: "
+            f"below some {needed:.0f} a state that holds products of it passes for memory of it",
+            stacklevel=2,
+        )
     if prediction is None:
         return MemoryCapacity(lags, profile, cutoff, bound)
     target = delayed_rows(e, lags, first, len(e))
@@ -238,9 +244,11 @@ def memory_capacity(
     if resamples == 0:
         return MemoryCapacity(lags, profile, cutoff, bound)
     block = usual_block(target.shape[1], lags)
+    blocks = target.shape[1] // block
     drawn = resampled_correlations(prediction, target, block, resamples, seed)
     signed = np.sqrt(profile) - np.sqrt(squared_correlation_of_rows(-prediction, target))
-    total, of_found = _interval(drawn, profile, confidence), _interval(drawn, profile, confidence, profile > cutoff)
+    total = _interval(drawn, profile, confidence, blocks)
+    of_found = _interval(drawn, profile, confidence, blocks, profile > cutoff)
     # To first order in features / samples, of the best readout's capacity C a share of 1 - C is lost.
     lost = float(np.sum((1 - profile)[profile > cutoff])) * bound / training
     return MemoryCapacity(
@@ -248,7 +256,7 @@ def memory_capacity(
         profile,
         cutoff,
         bound,
-        profile_interval=squared_interval(drawn, signed, confidence),
+        profile_interval=squared_interval(drawn, signed, confidence, blocks),
         total_interval=total,
         corrected_interval=(of_found[0], max(of_found[1], total[1]) + lost),
     )
@@ -270,6 +278,11 @@ def _refuse_what_cannot_be_scored(
             f"states must have at least {needed} samples for {features} features, washout={washout}, "
             f"delays up to {lags.max()} and {scoring}, got {samples}"
         )
+
+
+def _kurtosis(message: Array) -> float:
+    squares = (message - message.mean()) ** 2
+    return float(np.mean(squares**2) / np.mean(squares) ** 2)
 
 
 def _refuse_a_constant(message: Array, lags: Delays, first: int) -> None:
@@ -316,11 +329,12 @@ def _leave_one_out_cutoff(basis: Array, rows: Array, significance: float) -> Arr
 
 
 def _interval(
-    drawn: Array, profile: Array, confidence: float, chosen: NDArray[np.bool_] | slice = slice(None)
+    drawn: Array, profile: Array, confidence: float, blocks: int, chosen: NDArray[np.bool_] | slice = slice(None)
 ) -> tuple[float, float]:
     """Basic interval of a sum of squared correlations, and the estimate in it."""
     estimate = float(profile[chosen].sum())
-    low, high = 2 * estimate - percentiles((np.maximum(drawn, 0) ** 2)[:, chosen].sum(axis=1), confidence)[::-1]
+    sums = (np.maximum(drawn, 0) ** 2)[:, chosen].sum(axis=1)
+    low, high = basic_interval(sums, estimate, confidence, blocks)
     return max(0.0, min(low, estimate)), min(max(high, estimate), float(profile[chosen].size))
 
 

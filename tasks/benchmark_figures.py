@@ -136,7 +136,7 @@ def plot_profiles(records: Sequence[Record]) -> Figure:
                 of_seeds = np.array(
                     [r.details["profile"] for r in records if (r.task, r.reservoir) == (title, reservoir)]
                 )
-                mean, low, high = _band(of_seeds)
+                mean, low, high = _band(of_seeds, most=1.0)
                 ax.fill_between(np.arange(len(mean)), low, high, color=color, alpha=_ALPHA, lw=0)
                 ax.plot(mean, marker, ls="-", lw=1, ms=3.5, color=color, label=reservoir)
                 last = max([last, *np.flatnonzero(mean > 0.02).tolist()])
@@ -339,13 +339,13 @@ def _styles(reservoirs: Sequence[str], without: str | None = None) -> dict[str, 
     }
 
 
-def _band(of_seeds: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Mean and ends of the 95% interval over the first axis; of a single seed the mean itself."""
+def _band(of_seeds: np.ndarray, most: float = np.inf) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mean and ends of the 95% interval of capacities over the first axis; of a single seed the mean itself."""
     from ..reservoir import mean_over_runs
 
     if len(of_seeds) == 1:
         return of_seeds[0], of_seeds[0], of_seeds[0]
-    each = [mean_over_runs(values) for values in of_seeds.T]
+    each = [mean_over_runs(values, bounds=(0.0, most)) for values in of_seeds.T]
     mean, low, high = (np.array([getattr(one, end) for one in each]) for end in ("mean", "low", "high"))
     return mean, low, high
 

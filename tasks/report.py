@@ -15,7 +15,6 @@ __all__ = ["as_json", "as_markdown", "as_rows", "differences", "estimates", "ver
 
 _LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "scikit-learn")
 _DIGITS = {"NRMSE": 3, "accuracy": 3}
-_BOUNDS = {"accuracy": (0.0, 1.0)}
 
 
 def estimates(
@@ -30,7 +29,7 @@ def estimates(
     for record in records:
         values.setdefault((record.task, record.reservoir), []).append(record.score)
     return {
-        (task, reservoir): mean_over_runs(scores, bounds=_BOUNDS.get(tasks[task].metric.name) if tasks else bounds)
+        (task, reservoir): mean_over_runs(scores, bounds=tasks[task].metric.bounds if tasks else bounds)
         if len(scores) > 1
         else Estimate(scores[0], math.nan, math.nan, 1)
         for (task, reservoir), scores in values.items()

@@ -231,7 +231,7 @@ def held_out_scores(
     if leaked:
         raise ValueError(f"seeds must hold none of the validation seeds, got {leaked}")
     scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in chosen]
-    return scores, mean_over_runs(scores)
+    return scores, mean_over_runs(scores, bounds=task.metric.bounds)
 
 
 def _scores(task: Task, reservoir: Reservoir, seeds: Sequence[int], length: int, washout: int) -> list[float] | None:

@@ -1,5 +1,6 @@
 """What a task is: inputs from a seed, targets, a score, and samples that are not scored."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,6 +21,12 @@ DELAYS = 40
 
 _HOLDOUT = 0.5
 
+_BOUNDS = {
+    "accuracy": (0.0, 1.0),
+    **dict.fromkeys(("NRMSE", "capacity", "rank", "valid time"), (0.0, math.inf)),
+}
+"""By the metric's name."""
+
 
 class Solution(NamedTuple):
     """A score, and what it was made of where there is such a thing."""
@@ -38,6 +45,11 @@ class Metric(NamedTuple):
     solve: Callable[[NDArray[np.float64], NDArray[np.float64], int], Solution]  # states, targets, samples left out
     more_is_better: bool
     chance: float  # what a reservoir scores that knows nothing
+
+    @property
+    def bounds(self) -> tuple[float, float] | None:
+        """Between which the score always lies, for `mean_over_runs`; None where it is not known."""
+        return _BOUNDS.get(self.name)
 
     def prefers(self, score: float, to: float) -> bool:
         """Whether one score is better than another."""

@@ -3,7 +3,7 @@ import pytest
 from scipy import stats
 
 from stickslip.reservoir import mean_over_runs, squared_correlation
-from stickslip.reservoir.bootstrap import resampled_correlations, squared_interval, usual_block
+from stickslip.reservoir.bootstrap import basic_interval, resampled_correlations, squared_interval, usual_block
 
 
 def test_the_interval_over_runs_is_students():
@@ -91,14 +91,14 @@ def test_intervals_hold_the_truth_as_often_as_they_say(memory):
         a, b = np.sqrt(0.6), np.sqrt(0.4)
         prediction, target = (a * common + b * first)[None], (a * common + b * second)[None]
         drawn = resampled_correlations(prediction, target, 40, 200, seed)
-        low, high = squared_interval(drawn, np.corrcoef(prediction[0], target[0])[:1, 1], 0.9)[:, 0]
+        low, high = squared_interval(drawn, np.corrcoef(prediction[0], target[0])[:1, 1], 0.9, 10**6)[:, 0]
         hits += low < 0.36 < high
     assert 90 - 5 * 3 < hits <= 100
 
 
 def test_the_interval_of_a_perfect_or_a_missing_correlation():
     drawn = np.tile([1.0, 0.0, -0.3], (50, 1))
-    np.testing.assert_allclose(squared_interval(drawn, drawn[0], 0.9), [[1, 0, 0], [1, 0, 0]], atol=1e-12)
+    np.testing.assert_allclose(squared_interval(drawn, drawn[0], 0.9, 10**6), [[1, 0, 0], [1, 0, 0]], atol=1e-12)
 
 
 def test_blocks_span_the_delays_but_leave_blocks_to_draw():
@@ -106,3 +106,15 @@ def test_blocks_span_the_delays_but_leave_blocks_to_draw():
     assert usual_block(8000, range(50)) == 50
     assert usual_block(100, range(50)) == 10
     assert usual_block(5, [0]) == 1
+
+
+def test_intervals_of_a_few_blocks_are_students():
+    """Of the mean of ten numbers: resampling them alone covers 90%; 1900 of 2000 have standard deviation 10."""
+    rng = np.random.default_rng(0)
+    hits = 0
+    for _ in range(2000):
+        x = rng.normal(size=10)
+        drawn = x[rng.integers(0, 10, (400, 10))].mean(axis=1)
+        low, high = basic_interval(drawn, x.mean(), 0.95, 10)
+        hits += low <= 0 <= high
+    assert abs(hits - 1900) < 4 * 10

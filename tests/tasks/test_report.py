@@ -67,6 +67,12 @@ def test_an_interval_of_shares_stays_among_them():
     assert each.low < each.mean < each.high == 1.0
 
 
+def test_an_interval_of_errors_or_capacities_is_never_negative():
+    for task in (NARMA, PARITY, "memory capacity", "Lorenz valid time"):
+        each = estimates(records(task, [0.1, 0.9]), TASKS)[task, "crawler"]
+        assert each.low == 0 < each.mean < each.high
+
+
 def test_differences_are_paired_by_draw():
     """Scores that vary by 10 from draw to draw, and by 1 and 2 between reservoirs: t(0.975, 1) s / sqrt(2) = 6.353."""
     kept = records(NARMA, [10.0, 20.0], "a") + records(NARMA, [11.0, 22.0], "b") + records(PARITY, [1.0, 1.0], "a")
