@@ -93,8 +93,6 @@ def false_positives(message_kind: str, states_kind: str, features: int, samples:
 
 
 def _held_out(x: Array, e: Array, significance: float) -> tuple[int, int, int]:
-    if np.ptp(e[len(e) // 2 + DELAYS :]) == 0 or len(x) < 2 * x.shape[1] + 2 * DELAYS:
-        return 0, 0, 0
     try:
         memory = memory_capacity(x, e, DELAYS, washout=0, significance=significance)
     except ValueError:  # no flip came up where one delay is scored
@@ -118,6 +116,8 @@ def _left_out(x: Array, e: Array, significance: float) -> tuple[int, int, int]:
 
 def _information(x: Array, e: Array, kind: str, significance: float, seed: int) -> tuple[int, int, int]:
     """As the search does, on a choice of functions of all degrees in place of all of them."""
+    if np.ptp(e) == 0:  # no flip came up at all
+        return 0, 0, 0
     functions = legendre_polynomials(e, 3, (-1, 1)) if kind == "uniform" else walsh(e)
     wanted = [term for degree in (1, 2, 3) for delay in range(FACTORS) for term in terms(degree, delay, len(functions))]
     random = np.random.default_rng(seed)
