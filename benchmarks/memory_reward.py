@@ -91,10 +91,10 @@ def measure(arguments: dict[str, Any], episodes: int) -> dict[str, Any]:
     return {"truth": truth, "earned": earned, "spread": spread, "worst": worst}
 
 
-def greedy(sign: float, steps: int) -> tuple[float, float]:
+def greedy(sign: float, steps: int, **arguments: Any) -> tuple[float, float]:
     """Mean reward, and offline capacity, of a policy that looks one step ahead at what it will earn, or lose."""
-    env = gym.make(NAME, max_episode_steps=-1).unwrapped
-    branches = gym.make_vec(NAME, 4, max_episode_steps=None).unwrapped
+    env = gym.make(NAME, max_episode_steps=-1, **arguments).unwrapped
+    branches = gym.make_vec(NAME, 4, max_episode_steps=None, **arguments).unwrapped
     dither = env.settings.dither
     flips = {flip: next(seed for seed in range(1000) if flipped(seed, dither) is flip) for flip in (True, False)}
     seeds = [flips[flip] for flip in (False, True, False, True)]
@@ -151,6 +151,7 @@ def main() -> None:
     policies: dict[str, Callable[[], tuple[float, float]]] = {
         "takes what earns more in the next step": lambda: greedy(1.0, GREEDY_STEPS),
         "takes what earns less": lambda: greedy(-1.0, GREEDY_STEPS),
+        "takes what earns more, `delays=100`": lambda: greedy(1.0, GREEDY_STEPS, delays=100),
     }
     looking = {name: policy() for name, policy in policies.items()}
     made = {"reward": table(cases), "adversaries": adversaries(looking)}
