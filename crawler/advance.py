@@ -135,7 +135,9 @@ def advance(
         )
         if not longest >= 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, pace)
-        length, motion = next_event(body, ahead, physics, valve, control.order, longest, pace.doubt, workspace)
+        length, motion = next_event(
+            body, ahead, physics, valve, control.order, longest, control.tolerance, pace.doubt, workspace
+        )
         if motion != body.motion:
             pace = radau_again(body, physics, control.tolerance, pace, length)
             if pace.length > 0.0:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled
 from .body import Body, Physics, physics, STUCK
+from .equations import is_free
 from .groups import Groups
 from .polynomial import horner, LARGEST_DEGREE
 from .scene import Scene
@@ -250,7 +251,7 @@ def pulls_at(order: int, t: float, series: ChainSeries) -> None:
 
 
 @compiled
-def foot_at(body: Body, order: int, t: float, series: ChainSeries) -> tuple[float, float]:
+def foot_at(body: Body, physics: Physics, order: int, t: float, series: ChainSeries) -> tuple[float, float]:
     """Position and velocity of the foot a time `t` into the step, by its own equation of motion.
 
     Coefficient by coefficient that is what the total momentum has left after the segments' share, without the
@@ -261,6 +262,8 @@ def foot_at(body: Body, order: int, t: float, series: ChainSeries) -> tuple[floa
     way = 0.0
     for n in range(order, -1, -1):
         way = way * t + series.foot_velocity[n] * _RECIPROCAL[n + 1]
-    # At a stop rounding can leave it a hair beyond zero.
-    velocity = body.motion * max(body.motion * horner(series.foot_velocity, order + 1, t), 0.0)
+    velocity = horner(series.foot_velocity, order + 1, t)
+    # At a stop rounding can leave it a hair beyond zero. A free foot may have begun to turn round.
+    if body.motion * velocity < 0.0 and not is_free(physics):
+        velocity = 0.0
     return body.foot + way * t, velocity

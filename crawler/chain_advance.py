@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled
 from .advance import end_of_step, is_near, moment_of, record, sampled_by
-from .body import Body, Ledger, STUCK
+from .body import Body, Ledger, Physics, STUCK
 from .chain import (
     Chain,
     ChainSeries,
@@ -37,7 +37,7 @@ from .control import (
 )
 from .driving import stretch_at
 from .equations import force, force_terms, pressure_after
-from .events import breaking_loose, change_motion, comes_to_rest, motion_after_rest, started
+from .events import breaking_loose, change_motion, comes_to_rest, motion_after_rest, started, turning_speed
 from .polynomial import horner, sharp_descent
 from .progress import keep, opening_of, outcome_of, run_through, steps_of_a_call, stretch_of
 from .taylor import ROUNDING, SHORTENINGS, TRUST
@@ -201,7 +201,7 @@ def _advance_chain(
         if not length > 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, AFRESH)
         length = _trusted_length(body, chain, valve, control, min(length, close - elapsed), series)
-        length, motion = _next_event(body, chain, valve, control.order, length, series)
+        length, motion = _next_event(body, chain, valve, control.order, length, control.tolerance, series)
 
         reached, last = end_of_step(body, close, elapsed, length, motion)
         while done < count:
@@ -209,7 +209,7 @@ def _advance_chain(
             if moment > reached:
                 break
             pressure = pressure_after(opening, chain.physics, valve, moment - begin)
-            sampled = _state_at(body, pressure, control.order, min(moment - elapsed, length), series)
+            sampled = _state_at(body, chain.physics, pressure, control.order, min(moment - elapsed, length), series)
             record(sampled, samples, done)
             for j in range(segments):
                 segment_samples[0, j, done] = series.ahead[0, j] / segments
@@ -217,7 +217,7 @@ def _advance_chain(
             done += 1
 
         pressure = pressure_after(opening, chain.physics, valve, reached - begin)
-        following = _state_at(body, pressure, control.order, length, series)
+        following = _state_at(body, chain.physics, pressure, control.order, length, series)
         if not is_near(following):
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, AFRESH)
         for j in range(segments):
@@ -241,10 +241,10 @@ def _advance_chain(
 
 
 @compiled
-def _state_at(body: Body, pressure: float, order: int, t: float, series: ChainSeries) -> Body:
+def _state_at(body: Body, physics: Physics, pressure: float, order: int, t: float, series: ChainSeries) -> Body:
     """State a time `t` into the step, with its D and D' in `series.ahead`."""
     stretches_at(order, t, series)
-    foot, foot_velocity = foot_at(body, order, t, series)
+    foot, foot_velocity = foot_at(body, physics, order, t, series)
     segments = series.ahead.shape[1]
     z = 0.0
     v = 0.0
@@ -286,7 +286,7 @@ def _trusted_length(
 
 @compiled
 def _next_event(
-    body: Body, chain: Chain, valve: float, order: int, length: float, series: ChainSeries
+    body: Body, chain: Chain, valve: float, order: int, length: float, tolerance: float, series: ChainSeries
 ) -> tuple[float, int]:
     """Where the step ends, at most at `length`, and the motion that follows.
 
@@ -301,9 +301,10 @@ def _next_event(
     speed = rear[SCRATCH]
     for n in range(order + 1):
         speed[n] = body.motion * series.foot_velocity[n]
+    speed[0] += turning_speed(body, physics, tolerance)
     moment = sharp_descent(speed, started(speed, body, physics, order, rear), length)
     if moment > length:
-        _, velocity = foot_at(body, order, length, series)
+        _, velocity = foot_at(body, physics, order, length, series)
         z, v = horner(rear[Z], order + 1, length), horner(rear[V], order + 1, length)
         pressure = pressure_after(body, physics, valve, length)
         if not comes_to_rest(body.motion, physics, z, v, pressure, velocity):

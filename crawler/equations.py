@@ -10,6 +10,7 @@ __all__ = [
     "force",
     "force_terms",
     "inverse_mass",
+    "is_free",
     "moved",
     "pressure_after",
     "retardation",
@@ -51,6 +52,12 @@ def acceleration_at_no_force(physics: Physics, motion: int) -> float:
 
 
 @formula
+def is_free(physics: Physics) -> bool:
+    """Whether nothing holds the foot, forward or backward: it slides alike both ways, and need never rest."""
+    return where(physics.ratchet, 1.0, physics.static_friction) == 0.0
+
+
+@formula
 def retardation(physics: Physics, motion: int) -> float:
     """Rate at which friction and slope take momentum from a crawler whose foot slides."""
     return motion * physics.kinetic_friction + physics.slope
@@ -71,7 +78,7 @@ def moved(body: Body, physics: Physics, z: float, v: float, pressure: float, t: 
     momentum = body.foot_velocity + payload * body.velocity
     way = (momentum - 0.5 * retardation(physics, body.motion) * t) * t - payload * (z - body.deformation)
     foot = where(sliding, body.foot + way, body.foot)
-    # At a stop rounding can leave it a hair beyond zero.
+    # At a stop rounding can leave it a hair beyond zero. A free foot may have begun to turn round.
     speed = body.motion * foot_velocity_at(body, physics, v, t)
-    foot_velocity = where(sliding & (speed > 0.0), body.motion * speed, 0.0)
+    foot_velocity = where(sliding & ((speed > 0.0) | is_free(physics)), body.motion * speed, 0.0)
     return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled, formula, merged
 from .body import BACKWARD, Body, FORWARD, Physics, STUCK
-from .equations import foot_velocity_at, force, force_terms, pressure_after, retardation
+from .equations import foot_velocity_at, force, force_terms, is_free, pressure_after, retardation
 from .polynomial import first_descent, horner, horner_derivative, sharp_descent
 from .workspace import END_V, FIRST, FLATTEST, FORCE, HIGHEST, LENGTH, LOWEST, SCRATCH, STEEPEST, STEP, V, Z
 
@@ -21,12 +21,15 @@ __all__ = [
     "motion_after_rest",
     "next_event",
     "started",
+    "turning_speed",
 ]
 
 # At a graze Newton halves the distance to the root, and no more, with every iteration.
 _POLISHINGS = 40
 # A force vanishes within so much of its terms: that is above their rounding, and that of the time at which it does.
 _VANISHING = 1e-12
+# What a step may err by, in tolerances: a Taylor series is trusted with as much.
+_TURNING = 4.0
 
 
 @merged
@@ -37,18 +40,19 @@ def next_event(
     valve: float,
     order: int,
     length: float,
+    tolerance: float,
     doubt: float,
     series: NDArray[np.float64],
 ) -> tuple[float, int]:
     """Where the step ends, at most at `length` with the state `ahead`, and the motion that follows.
 
-    `doubt` as for `breaking_loose`.
+    `tolerance` as for `turning_speed`, `doubt` as for `breaking_loose`.
     """
     if physics.anchored | is_quiet(body, physics, series[FORCE, 0], series[STEP]):
         return length, body.motion
     if body.motion == STUCK:
         return breaking_loose(body, physics, valve, order, length, doubt, series)
-    degree = foot_speed(body, physics, order, series)
+    degree = foot_speed(body, physics, order, turning_speed(body, physics, tolerance), series)
     moment = sharp_descent(series[SCRATCH], degree, length)
     if moment > length:
         z, v = ahead.deformation, ahead.velocity
@@ -130,7 +134,21 @@ def comes_to_rest(motion: int, physics: Physics, z: float, v: float, pressure: f
     Rounding hides some falls, and a speed that nothing brakes fades to 0 without one. The state is that of the segment
     in front of the foot.
     """
-    return foot_velocity == 0.0 and not breaks_loose(motion, physics, z, v, pressure)
+    return foot_velocity == 0.0 and not is_free(physics) and not breaks_loose(motion, physics, z, v, pressure)
+
+
+@compiled
+def turning_speed(body: Body, physics: Physics, tolerance: float) -> float:
+    """Speed that a free foot has when it is said to have turned round; 0 for any other foot, which stops.
+
+    To turn round changes nothing for a free foot but the name of its motion. It does so at every half period for ever,
+    and below what the solver may err by, at most some tolerances of the body's rate, the turns would be those of the
+    error.
+    """
+    if not is_free(physics):
+        return 0.0
+    speeds = abs(body.foot_velocity) + physics.payload_fraction * abs(body.velocity)
+    return max(_TURNING * tolerance * physics.payload_fraction, _VANISHING * speeds)
 
 
 @compiled
@@ -149,12 +167,14 @@ def breaks_loose(motion: int, physics: Physics, z: float, v: float, pressure: fl
 def change_motion(body: Body, motion: int, physics: Physics) -> Body:
     """The state just after the foot breaks loose or stops.
 
-    A foot that turns round without friction has had nothing to break loose from, and that is no slip.
+    A foot that turns round without friction has had nothing to break loose from, and that is no slip. It keeps the
+    speed that it has.
     """
     slips = body.slips
     if motion != STUCK and (body.motion == STUCK or physics.static_friction > 0.0):
         slips += 1
-    return Body(body.deformation, body.velocity, body.pressure, body.foot, 0.0, motion, slips)
+    foot_velocity = body.foot_velocity if is_free(physics) else 0.0
+    return Body(body.deformation, body.velocity, body.pressure, body.foot, foot_velocity, motion, slips)
 
 
 @compiled
@@ -167,11 +187,11 @@ def _grip(direction: int, physics: Physics, order: int, doubt: float, series: ND
 
 
 @compiled
-def foot_speed(body: Body, physics: Physics, order: int, series: NDArray[np.float64]) -> int:
-    """Write the sliding foot's speed, from the momentum; return its degree."""
+def foot_speed(body: Body, physics: Physics, order: int, beyond: float, series: NDArray[np.float64]) -> int:
+    """Write the sliding foot's speed, from the momentum, and `beyond` more; return its degree."""
     speed = series[SCRATCH]
     direction = body.motion
-    speed[0] = direction * body.foot_velocity
+    speed[0] = direction * body.foot_velocity + beyond
     for n in range(1, order + 1):
         speed[n] = -direction * physics.payload_fraction * series[V, n]
     speed[1] -= direction * retardation(physics, direction)

@@ -375,7 +375,7 @@ def _step_alone(
         longest, end = trusted(opening, body, physics, valve, before, control.tolerance, order, series)
         if not longest >= 0.0:
             return DIVERGED
-    length, motion = next_event(body, end, physics, valve, order, longest, 0.0, series)
+    length, motion = next_event(body, end, physics, valve, order, longest, control.tolerance, 0.0, series)
     reached, last = end_of_step(body, hold, before, length, motion)
     following = end
     if length < longest:

@@ -15,7 +15,7 @@ from .body import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
 from .closed_form import Propagator, propagator, Rates, rates_of, tabulated
 from .control import AFRESH, Control, DIVERGED, FINISHED, Leg, LOG_FULL, OUT_OF_STEPS, Outcome, PAUSED, Taylor20
 from .equations import acceleration_at_no_force, force, moved, retardation
-from .events import breaks_loose, change_motion, comes_to_rest, foot_speed, motion_after_rest
+from .events import breaks_loose, change_motion, comes_to_rest, foot_speed, motion_after_rest, turning_speed
 from .groups import Groups
 from .linear_energy import account_linear
 from .marching import Deviation, deviation, first_fall, Margin, Modes, modes_of, safe_start
@@ -70,8 +70,8 @@ def advance_linear(
     Parameters
     ----------
     body, ledger, physics, valve, hold, control, start, samples, events, begin, end, leg
-        As for `advance`. Of `control` the tolerance and the order do not matter, and `max_steps` bounds the
-        evaluations in search of events; it pauses between two events only.
+        As for `advance`. Of `control` the order does not matter, and the tolerance to nothing but the turns of a free
+        foot; `max_steps` bounds the evaluations in search of events; it pauses between two events only.
     workspace : (2 S + CHANGES, ENTRIES) array
         From `tabulate`, for this crawler, hold and number S of samples.
 
@@ -101,7 +101,9 @@ def advance_linear(
         else:
             whole = propagator(rates, length)
         budget = control.max_steps - spent
-        moment, motion, looks = _next_event(body, deviating, physics, valve, rates, length, whole, budget)
+        moment, motion, looks = _next_event(
+            body, deviating, physics, valve, rates, length, whole, control.tolerance, budget
+        )
         spent += looks + 1
         if spent >= control.max_steps:
             return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger, AFRESH)
@@ -166,6 +168,7 @@ def _next_event(
     rates: Rates,
     length: float,
     whole: Propagator,
+    tolerance: float,
     budget: int,
 ) -> tuple[float, int, int]:
     """Where the smooth motion ends, at most at `length`, the motion that follows, and the evaluations spent."""
@@ -184,7 +187,8 @@ def _next_event(
                 moment, motion = backward, BACKWARD
         return (moment, motion, spent) if moment <= length else (length, STUCK, spent)
 
-    moment, spent = _standstill(body, start, physics, valve, rates, modes, length, whole, budget)
+    beyond = turning_speed(body, physics, tolerance)
+    moment, spent = _standstill(body, start, physics, valve, rates, modes, length, whole, beyond, budget)
     rests = moment <= length
     if rests:
         over = propagator(rates, moment)
@@ -216,19 +220,20 @@ def _standstill(
     modes: Modes,
     length: float,
     whole: Propagator,
+    beyond: float,
     budget: int,
 ) -> tuple[float, int]:
-    """When the sliding foot's speed, by momentum, falls through zero; inf if not by `length`."""
+    """When the sliding foot's speed, by momentum, and `beyond` more falls through zero; inf if not by `length`."""
     payload, direction = physics.payload_fraction, body.motion
     margin = Margin(
-        direction * (body.foot_velocity + payload * body.velocity),
+        direction * (body.foot_velocity + payload * body.velocity) + beyond,
         -direction * retardation(physics, direction),
         -direction * payload,
         False,
         abs(body.foot_velocity) + payload * abs(body.velocity),
     )
     begin = 0.0
-    if body.foot_velocity == 0.0:
+    if body.foot_velocity == 0.0 and beyond == 0.0:
         # A slip begins at rest, and its speed is at first a difference that rounding swamps.
         gained = margin.drift + margin.factor * start.acceleration
         if breaks_loose(direction, physics, body.deformation, body.velocity, body.pressure):
@@ -238,7 +243,7 @@ def _standstill(
             begin = min(length, 1.0 / max(rates.fast, rates.lag, math.sqrt(rates.yielding)))
             series = np.empty((ROWS, WIDTH))
             expand(body, physics, valve, Taylor20(), 1.0, begin, series)
-            degree = foot_speed(body, physics, _ORDER, series)
+            degree = foot_speed(body, physics, _ORDER, 0.0, series)
             moment = first_descent(series[SCRATCH], degree, begin)
             if moment <= begin:
                 return moment, 1

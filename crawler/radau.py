@@ -24,6 +24,7 @@ from .equations import (
     force,
     force_terms,
     inverse_mass,
+    is_free,
     pressure_after,
 )
 from .polynomial import horner
@@ -252,9 +253,14 @@ def radau_again(body: Body, physics: Physics, tolerance: float, pace: Pace, mome
 
 @compiled
 def _clearance(body: Body, physics: Physics) -> float:
-    """How far a grip is from breaking, in force, or a slip from stopping, in the rate of the body."""
+    """How far a grip is from breaking, in force, or a slip from stopping, in the rate of the body.
+
+    A free foot that slides goes on alike whether it turns round or not.
+    """
     if body.motion == STUCK:
         return _grip(physics, force(physics, body.deformation, body.velocity, body.pressure))
+    if is_free(physics):
+        return np.inf
     return abs(body.foot_velocity) / physics.payload_fraction
 
 

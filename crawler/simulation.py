@@ -62,7 +62,9 @@ def simulate(
         As in `Scene.of`; on the ground with a ratcheted foot by default.
     tolerance : float, in [1e-15, 1e-2]
         Largest term neglected from the acceleration's Taylor series in a step, or largest error of deformation, rate
-        and force in a step of "radau", natural units. The closed form is exact to rounding whatever the tolerance.
+        and force in a step of "radau", natural units. The closed form is exact to rounding whatever the tolerance. A
+        foot that nothing holds (no friction, no ratchet) turns round at every swing: that is an event once the foot
+        moves the other way faster than 4 tolerances times the payload's share of the mass.
     solver : {"auto", "closed_form", "taylor", "radau"}
         "closed_form" takes groups with duffing = radial_coupling = 0; "taylor" is cheapest for most others, and
         "radau", L-stable, for stiff ones. "auto" takes the one that is predicted to be cheapest.
