@@ -120,16 +120,16 @@ def advance(
     opening = body
     elapsed = begin
     pace = AFRESH
+    allowed = control.max_steps
     if leg is not None:
         opening = leg.opening
         elapsed = leg.elapsed
         pace = leg.pace
+        allowed = min(allowed, leg.steps)
     done = sampled_by(elapsed, hold, samples.shape[1])
     logged = 0
     close = min(end, hold)
-    for steps in range(1, control.max_steps + 1):
-        if leg is not None and steps > leg.steps:
-            return Outcome(PAUSED, elapsed, steps - 1, logged, body, ledger, pace)
+    for steps in range(1, allowed + 1):
         longest, ahead, pace = next_step(
             opening, body, physics, valve, elapsed - begin, close - elapsed, control, pace, workspace
         )
@@ -178,7 +178,8 @@ def advance(
         body = following
         if last:
             return Outcome(FINISHED, close, steps, logged, body, ledger, pace)
-    return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger, pace)
+    status = PAUSED if allowed < control.max_steps else OUT_OF_STEPS
+    return Outcome(status, elapsed, allowed, logged, body, ledger, pace)
 
 
 @compiled

@@ -193,9 +193,8 @@ def _advance_chain(
     opening, elapsed = leg.opening, leg.elapsed
     done = sampled_by(elapsed, hold, count)
     logged = 0
-    for steps in range(1, budget + 1):
-        if steps > leg.steps:
-            return Outcome(PAUSED, elapsed, steps - 1, logged, body, ledger, AFRESH)
+    allowed = min(budget, leg.steps)
+    for steps in range(1, allowed + 1):
         expand_chain(stretches, body, chain, valve, control.order, series)
         length = longest_step(chain, body.motion, control.order, control.tolerance, series)
         if not length > 0.0:
@@ -237,7 +236,8 @@ def _advance_chain(
         body = following
         if last:
             return Outcome(FINISHED, close, steps, logged, body, ledger, AFRESH)
-    return Outcome(OUT_OF_STEPS, elapsed, budget, logged, body, ledger, AFRESH)
+    status = PAUSED if allowed < budget else OUT_OF_STEPS
+    return Outcome(status, elapsed, allowed, logged, body, ledger, AFRESH)
 
 
 @compiled
