@@ -1,11 +1,13 @@
 """The page of best bodies: what a task needs, what a reservoir holds, and the tables."""
 
 import itertools
+import json
 import math
 
 import best
 import numpy as np
 import pytest
+from measuring import refreshed
 
 from stickslip.crawler import Scene
 from stickslip.tasks import BodyReservoir, DelayLine, EchoState
@@ -54,3 +56,11 @@ def test_modes_decay_as_the_body_does():
     stretch = body(np.repeat([1.0, 0.0], [200, 400]))
     early, late = (np.linalg.norm(stretch[part]) for part in (slice(280, 380), slice(480, 580)))
     assert 200 / np.log(early / late) == pytest.approx(slowest, rel=0.03)
+
+
+def test_the_tables_of_the_page_are_those_of_the_results():
+    """The configurations are laid out by a formatter and may have other line breaks."""
+    made = best.tables(json.loads(best.RESULTS.read_text(encoding="utf-8"))["tasks"])
+    del made["configurations"]
+    page = best.PAGE.read_text(encoding="utf-8")
+    assert refreshed(page, made) == page
