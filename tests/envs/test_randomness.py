@@ -156,7 +156,9 @@ def test_sub_environments_of_sb3_can_be_given_a_generator():
 
 
 @pytest.mark.parametrize(
-    "value", [None, 3, [1, 2], [np.random.default_rng(0)], [np.random.default_rng(0)] * 2], ids=str
+    "value",
+    [None, 3, [1, 2], [np.random.default_rng(0)], [np.random.default_rng(0)] * 2],
+    ids=["none", "number", "numbers", "too few", "one twice"],
 )
 def test_generators_that_are_refused_set_nothing(value):
     envs = StickSlipCrawlerVectorEnv(2, dither=DITHER)
@@ -166,7 +168,9 @@ def test_generators_that_are_refused_set_nothing(value):
     assert flips_of_each(envs) == [flips_of(np.random.default_rng(i)) for i in range(2)]
 
 
-@pytest.mark.parametrize("value", [None, 3, np.random.RandomState(0), [np.random.default_rng(0)]], ids=str)
+@pytest.mark.parametrize(
+    "value", [None, 3, np.random.RandomState(0), [np.random.default_rng(0)]], ids=["none", "number", "old", "list"]
+)
 def test_what_is_no_generator_is_refused_and_the_flips_go_on(value):
     env = StickSlipCrawlerEnv(dither=DITHER)
     env.reset(seed=0)
