@@ -4,8 +4,9 @@ from .actuator import Actuator, Scales
 from .balance import EnergyWarning
 from .body import ChainState, REST, State
 from .groups import Groups, GroupsLike, PRESETS
+from .refusals import SolverError
 from .scene import Scene
-from .simulation import simulate, SolverError
+from .simulation import simulate
 from .trajectory import EVENT, Trajectory
 
 __all__ = [

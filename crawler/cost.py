@@ -25,7 +25,7 @@ from .scene import Scene
 from .taylor import order_for
 from .tube import as_crawler
 
-__all__ = ["fastest_rate", "predicted_cost", "predicted_steps"]
+__all__ = ["FastestRate", "fastest_rate", "predicted_cost", "predicted_steps"]
 
 # Microseconds that a step takes with its events, by Taylor, and more for each order, and by Radau for each stage; a
 # look for events in closed form takes a third of a Taylor step of the same crawler. Only their ratios matter.
@@ -79,16 +79,26 @@ def rates(coefficients: Physics, motion: int, deformation: float) -> Rates:
     return Rates(math.sqrt(yielding * stiffness), yielding * coefficients.damping)
 
 
-def fastest_rate(groups: Groups, scene: Scene, deformation: float) -> tuple[str, float]:
-    """Name and size of the fastest of a crawler's rates about a deformation."""
+class FastestRate(NamedTuple):
+    """The fastest of a crawler's rates."""
+
+    name: str
+    rate: float  # per unit of time
+    decay: float  # of what acts at that rate, per unit of time
+
+
+def fastest_rate(groups: Groups, scene: Scene, deformation: float) -> FastestRate:
+    """The fastest of a crawler's rates about a deformation."""
     coefficients = physics(groups, scene)
-    named = {"the lag of the fluid (deborah)": coefficients.lag_rate}
+    lag = coefficients.lag_rate
+    found = [FastestRate("the lag of the fluid (deborah)", lag, lag)]
     for motion, phase in ((STUCK, "resting"), (FORWARD, "sliding")):
         if motion == STUCK or not scene.anchored:
-            about = rates(coefficients, motion, deformation)
-            named[f"the damping over a {phase} foot (damping_ratio, foot_mass_fraction)"] = about.damping
-            named[f"the spring over a {phase} foot (duffing, foot_mass_fraction)"] = about.frequency
-    return max(named.items(), key=lambda item: item[1])
+            frequency, damping = rates(coefficients, motion, deformation)
+            on = f"over a {phase} foot"
+            found.append(FastestRate(f"the damping {on} (damping_ratio, foot_mass_fraction)", damping, damping))
+            found.append(FastestRate(f"the spring {on} (duffing, foot_mass_fraction)", frequency, 0.5 * damping))
+    return max(found, key=lambda fastest: fastest.rate)
 
 
 def predicted_cost(solver: str, groups: Groups, scene: Scene, hold: float, tolerance: float) -> float:

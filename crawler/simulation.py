@@ -12,25 +12,21 @@ from ..validation import number_within, whole_number
 from .balance import balance_of, check_balance
 from .body import BACKWARD, Body, ChainState, FORWARD, Ledger, REST, State, STUCK
 from .chain_simulation import run_chain, stretches_of
-from .control import DIVERGED, FINISHED, MAX_STEPS, STEPS_A_HOLD
-from .cost import fastest_rate
+from .control import FINISHED, MAX_STEPS, STEPS_A_HOLD
 from .crawler_simulation import run_crawler
 from .groups import Groups, groups_of_each, GroupsLike
+from .refusals import solver_error
 from .scene import Scene
 from .solvers import AUTO, choose, Solver, SOLVERS
 from .trajectory import EVENT, Trajectory
 from .tube import is_chain
 
-__all__ = ["HOLDS", "TOLERANCES", "SolverError", "simulate", "solver_error"]
+__all__ = ["HOLDS", "TOLERANCES", "simulate"]
 
 HOLDS = "(0, inf)"
 TOLERANCES = "[1e-15, 1e-2]"
 # The budget is one of work: a chain of many segments may take fewer steps.
 _SEGMENTS_A_STEP = 10
-
-
-class SolverError(RuntimeError):
-    """The motion diverged or the solver ran out of steps; the message says where, why and what to change."""
 
 
 def simulate(
@@ -131,7 +127,9 @@ def simulate(
         if outcome.status != FINISHED:
             reached = finished * hold + outcome.elapsed
             deformation, steps = outcome.body.deformation, outcome.steps
-            raise solver_error(outcome.status, reached, deformation, steps, groups_of, scene, tolerance, by.name)
+            raise solver_error(
+                outcome.status, reached, deformation, steps, groups_of, scene, tolerance, by.name, outcome.body.slips
+            )
         finals.append(outcome.body)
         ledgers.append(outcome.ledger)
         grown[member] = store.growth
@@ -183,50 +181,6 @@ def simulate(
         groups=crawlers[0] if single else tuple(crawlers),
         initial=deepcopy(start),
         condition=(float(conditions[0]) if single else conditions) if condition else None,
-    )
-
-
-def solver_error(
-    status: int,
-    time: float,
-    deformation: float,
-    steps: int,
-    groups: Groups,
-    scene: Scene,
-    tolerance: float,
-    solver: str,
-) -> SolverError:
-    """The exception that tells what an unfinished run means: where, why, and what to change.
-
-    Parameters
-    ----------
-    status : int
-        DIVERGED or OUT_OF_STEPS.
-    time, deformation : float
-        How far the motion got.
-    steps : int
-        The budget.
-    groups : Groups
-    scene : Scene
-    tolerance : float
-    solver : str
-    """
-    where = f"at time {time:.6g} (z = {deformation:.6g})"
-    if status == DIVERGED:
-        unbounded = groups.duffing == 0.0 and groups.radial_coupling > 1.0
-        cause = "a body with radial_coupling > 1 needs duffing > 0" if unbounded else "it began too far or too fast"
-        return SolverError(f"the motion diverged {where}: {cause}, with {groups}")
-    cause, rate = fastest_rate(groups, scene, deformation)
-    remedy = "a larger max_steps, a looser tolerance, or less of that"
-    if solver == "closed_form":
-        remedy = "a larger max_steps, or less of that"
-    elif is_chain(scene):
-        remedy = f"fewer segments than {scene.segments}, more tube_mass than {scene.tube_mass!r}, {remedy}"
-    elif solver == "taylor":
-        remedy = f"solver='radau', {remedy}"
-    return SolverError(
-        f"the step budget of {steps} was spent {where} by solver {solver!r} at tolerance {tolerance:g}: "
-        f"{cause} acts at a rate of {rate:.3g} per unit of time; take {remedy}; with {groups}"
     )
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..crawler import Groups, GroupsLike, Scene
 from ..crawler.control import FINISHED, MAX_STEPS
-from ..crawler.simulation import solver_error
+from ..crawler.refusals import solver_error
 from ..generators import whereabouts
 from ..reservoir.prequential import PrequentialMemory
 from .calibration import calibrated_memory

@@ -17,7 +17,7 @@ from ..crawler.body import Body, STUCK
 from ..crawler.control import MAX_STEPS
 from ..crawler.lanes import lane_workspace
 from ..crawler.linear import is_linear
-from ..crawler.simulation import solver_error, SolverError
+from ..crawler.refusals import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
 from ..crawler.workspace import ROWS, WIDTH
 from ..generators import whereabouts

@@ -15,8 +15,8 @@ from ..crawler.body import Body, NOTHING_YET, Physics, physics
 from ..crawler.control import Control, FINISHED, MAX_STEPS, Method, METHODS
 from ..crawler.driving import advance_by_method
 from ..crawler.groups import Groups
+from ..crawler.refusals import solver_error
 from ..crawler.scene import Scene
-from ..crawler.simulation import solver_error
 from ..crawler.solvers import AUTO, choose
 from ..generators import next_uniform
 from ..reservoir.prequential import score

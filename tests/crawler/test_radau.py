@@ -358,3 +358,18 @@ def test_the_pressure_does_not_gather_rounding_over_many_steps():
     groups = Groups(0.0, 1.0, 1e5, 2.0, 0.1, 0.0, 0.0)
     done = simulate(groups, [1], 1e4, scene=Scene(ratchet=False), solver="radau", samples_per_hold=2)
     np.testing.assert_allclose(done.pressure, -np.expm1(-np.array([0.05, 0.1])), rtol=1e-14)
+
+
+@pytest.mark.parametrize(("lag", "static"), [(5.0, 1e-5), (50.0, 1e-5), (5.0, 1e-4)])
+def test_an_oscillation_fainter_than_the_tolerance_is_not_damped_away(lag, static):
+    # Its pull swings by 1e-4 or less and breaks the grip at every turn.
+    groups = Groups(
+        damping_ratio=0.0,
+        deborah=lag,
+        foot_mass_fraction=1.0 - 1e-6,
+        static_friction=static,
+        kinetic_friction=0.5 * static,
+    )
+    expected = simulate(groups, [1], 10.0, solver="taylor").slips
+    assert expected > 500
+    assert simulate(groups, [1], 10.0, solver="radau", tolerance=1e-3).slips == pytest.approx(expected, abs=2)

@@ -1,5 +1,7 @@
 """What `simulate` refuses, and how it says so."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from stickslip.crawler import Groups, Scene, simulate, SolverError, State
 from stickslip.crawler.advance import advance
 from stickslip.crawler.body import Body, NOTHING_YET, physics, STUCK
 from stickslip.crawler.control import DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS
-from stickslip.crawler.simulation import solver_error
+from stickslip.crawler.refusals import solver_error
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.workspace import ROWS, WIDTH
 
@@ -158,3 +160,67 @@ def test_a_simulation_with_more_events_than_any_first_guess():
     assert done.slips == np.count_nonzero(done.events["motion"])
     pieces = simulate(groups, [1] * 400, 1.0, scene=Scene(ratchet=False), initial=State(deformation=5.0))
     np.testing.assert_array_equal(pieces.events["motion"], done.events["motion"])
+
+
+def refusal(groups, valve, hold, **options):
+    with pytest.raises(SolverError) as caught:
+        simulate(groups, valve, hold, **options)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("solver", ["taylor", "radau"])
+def test_an_undamped_spring_that_swings_on_is_not_called_stiff(solver):
+    groups = Groups(damping_ratio=0.0, foot_mass_fraction=1.0 - 1e-6)
+    says = refusal(groups, [1], 1000.0, max_steps=20_000, solver=solver)
+    assert re.search(
+        r"the spring over a .*real swings so far.* take a larger max_steps, a looser tolerance, or a shorter", says
+    )
+    assert "solver='radau'" not in says
+
+
+def test_damping_that_is_too_stiff_for_a_series_is_left_to_radau():
+    says = refusal(Groups(damping_ratio=1e4), [1], 100.0, max_steps=20_000, solver="taylor")
+    assert re.search(r"the damping over a .* too stiff for this solver; take solver='radau', a larger max_steps", says)
+    assert "too stiff" not in refusal(Groups(damping_ratio=1e4), [1], 100.0, max_steps=5, solver="radau")
+
+
+def test_slips_that_accumulate_are_told_by_their_number():
+    error = solver_error(OUT_OF_STEPS, 1.0, 0.5, 100_000, Groups(), Scene(), 1e-6, "radau", 40_000)
+    assert re.search(r"40000 slips have accumulated, \d+.* in the time of a swing", str(error))
+    assert "another static_friction" in str(error)
+    # Two slips a swing, of thousands, are a motion.
+    swings = Groups(damping_ratio=0.0, foot_mass_fraction=1.0 - 1e-6)
+    assert "accumulated" not in str(
+        solver_error(OUT_OF_STEPS, 1e3, 0.5, 10**6, swings, Scene(), 1e-6, "taylor", 300_000)
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("duffing", 1e300),
+        ("damping_ratio", 1e300),
+        ("radial_coupling", 1e300),
+        ("radial_coupling", 1e30),
+        ("deborah", 1e-300),
+        ("deborah", 1e-30),
+        ("foot_mass_fraction", 1e-300),
+        ("duffing", 1e100),
+        ("foot_mass_fraction", 1e-30),
+    ],
+)
+def test_an_absurd_group_is_named(name, value):
+    says = refusal(Groups(**{name: value}), [1, 1, 0], 1.0, max_steps=20_000)
+    assert f"{name} = {value!r} " in says
+    assert "began too far" not in says
+    assert "radau'," not in says
+
+
+def test_an_absurd_drag_and_an_absurd_slope_are_named():
+    rough = Groups(static_friction=1e300, kinetic_friction=1e299)
+    assert "static_friction = 1e+300" in refusal(rough, [1], 1.0, initial=State(foot_velocity=1.0))
+    assert "slope = 1e+300" in refusal(Groups(), [1], 1.0, scene=Scene(slope=1e300))
+
+
+def test_a_start_beyond_all_bounds_is_named():
+    assert "began too far or too fast" in refusal(Groups(), [1], 1.0, initial=State(1e11))

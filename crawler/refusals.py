@@ -1,0 +1,101 @@
+"""What an unfinished run means: where it got to, why no further, and what to change."""
+
+import math
+
+from .advance import FARTHEST
+from .control import DIVERGED
+from .cost import fastest_rate, FastestRate
+from .groups import Groups
+from .scene import Scene
+from .tube import is_chain
+
+__all__ = ["SolverError", "solver_error"]
+
+# Decades from 1 beyond which a group leaves no digits to the others.
+_ABSURD = 15.0
+# Slips in a period of the body's fastest oscillation that it cannot make by swinging.
+_MANY_SLIPS = 10.0
+
+
+class SolverError(RuntimeError):
+    """The motion diverged or the solver ran out of steps; the message says where, why and what to change."""
+
+
+def solver_error(
+    status: int,
+    time: float,
+    deformation: float,
+    steps: int,
+    groups: Groups,
+    scene: Scene,
+    tolerance: float,
+    solver: str,
+    slips: int = 0,
+) -> SolverError:
+    """The exception that tells what an unfinished run means: where, why, and what to change.
+
+    Parameters
+    ----------
+    status : int
+        DIVERGED or OUT_OF_STEPS.
+    time, deformation : float
+        How far the motion got.
+    steps : int
+        The budget.
+    groups : Groups
+    scene : Scene
+    tolerance : float
+    solver : str
+    slips : int
+        In the steps of the budget, where they are known.
+    """
+    where = f"at time {time:.6g} (z = {deformation:.6g})"
+    absurd = _absurd(groups, scene)
+    if status == DIVERGED:
+        cause = f"it began too far or too fast, and left the {FARTHEST:g} natural units within which a body is followed"
+        if absurd:
+            cause = f"{absurd} leaves floating-point numbers no digits for the rest"
+        elif groups.duffing == 0.0 and groups.radial_coupling > 1.0:
+            cause = "a body with radial_coupling > 1 needs duffing > 0"
+        return SolverError(f"the motion diverged {where}: {cause}, with {groups}")
+    fastest = fastest_rate(groups, scene, deformation)
+    cause, remedies = _spent(absurd, fastest, time, slips, tolerance, solver)
+    if is_chain(scene):
+        remedies = [f"fewer segments than {scene.segments}", f"more tube_mass than {scene.tube_mass!r}", *remedies]
+    return SolverError(
+        f"the step budget of {steps} was spent {where} by solver {solver!r} at tolerance {tolerance:g}: "
+        f"{cause}; take {', '.join(remedies[:-1])}, or {remedies[-1]}; with {groups}"
+    )
+
+
+def _spent(
+    absurd: str, fastest: FastestRate, time: float, slips: int, tolerance: float, solver: str
+) -> tuple[str, list[str]]:
+    """What the steps were spent on, and what to do about it."""
+    remedies = ["a larger max_steps"]
+    if solver != "closed_form":
+        remedies.append("a looser tolerance")
+    if absurd:
+        return f"{absurd} makes it faster than any solver follows", [*remedies, "less of that"]
+    acts = f"{fastest.name} acts at a rate of {fastest.rate:.3g} per unit of time"
+    swings = fastest.rate * time / (2.0 * math.pi)
+    if slips > _MANY_SLIPS * (1.0 + swings):
+        cause = f"{slips} slips have accumulated, {slips / (1.0 + swings):.3g} in the time of a swing of the body"
+        return f"{cause}, whose pull hovers about the grip", [*remedies, "another static_friction"]
+    alive = fastest.decay < fastest.rate and fastest.decay * time < -math.log(tolerance)
+    if alive and swings > 1.0:
+        return f"{acts}: {swings:.3g} real swings so far, which no solver may skip", [*remedies, "a shorter schedule"]
+    # Radau would hold fast what grows, and damp what swings on.
+    if solver == "taylor" and not alive:
+        return f"{acts}, which is too stiff for this solver", ["solver='radau'", *remedies, "less of that"]
+    return acts, [*remedies, "less of that"]
+
+
+def _absurd(groups: Groups, scene: Scene) -> str:
+    """The group or the slope that is farthest from 1 beyond all measure, as an assignment; empty where none is."""
+    sizes = {**groups.to_dict(), "slope": abs(scene.slope)}
+    decades = {name: math.log10(size) for name, size in sizes.items() if size > 0.0}
+    for small in ("deborah", "foot_mass_fraction"):
+        decades[small] = -decades[small]
+    name = max(decades, key=decades.__getitem__)
+    return f"{name} = {sizes[name]!r}" if decades[name] > _ABSURD else ""
