@@ -47,7 +47,9 @@ def run(
     # Work is stored, or lost in the elastomer and under the foot.
     size = 1.0 + abs(done.work) + abs(done.stored) + done.dissipation
     fastest = 1.0 + np.abs(done.velocity).max()  # energy goes to and fro as fast, and is rounded each time
-    assert abs(done.energy_residual) < (10.0 * tolerance + 1e-12 * fastest) * size * (1.0 + done.time[-1])
+    rounding = 1e-14 * done.energy_scale  # of what was stored at the start, which may be far more than flowed
+    bound = (10.0 * tolerance + 1e-12 * fastest) * size * (1.0 + done.time[-1])
+    assert abs(done.energy_residual) < bound + rounding
     assert min(done.viscous_loss, done.friction_loss) > -1e-12 * size
     return done
 
