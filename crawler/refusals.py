@@ -94,6 +94,7 @@ def _spent(
 def _absurd(groups: Groups, scene: Scene) -> str:
     """The group or the slope that is farthest from 1 beyond all measure, as an assignment; empty where none is."""
     sizes = {**groups.to_dict(), "slope": abs(scene.slope)}
+    del sizes["static_friction"]  # a grip that never yields makes nothing harder
     decades = {name: math.log10(size) for name, size in sizes.items() if size > 0.0}
     for small in ("deborah", "foot_mass_fraction"):
         decades[small] = -decades[small]
