@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import partial
 from hashlib import sha256
+from inspect import signature
 from pathlib import Path
 from types import FunctionType
 from typing import Any, NamedTuple
@@ -47,8 +48,8 @@ def described(value: Any) -> Any:
     ----------
     value : object
         Numbers, text, mappings and sequences are themselves. Of a function the description is its name with what it
-        encloses, of a `partial` its arguments too, of a dataclass its compared fields, of an array its shape and a
-        digest; of any other object its `repr` where its class defines one, and its class's name otherwise.
+        encloses, of a `partial` the arguments too, by name, of a dataclass its compared fields, of an array its shape
+        and a digest; of any other object its `repr` where its class defines one, and its class's name otherwise.
 
     Returns
     -------
@@ -69,6 +70,9 @@ def described(value: Any) -> Any:
         return [described(each) for each in value]
     if isinstance(value, set | frozenset):
         return sorted((described(each) for each in value), key=repr)
+    if isinstance(value, partial):
+        given = signature(value.func).bind_partial(*value.args, **value.keywords).arguments
+        return {"function": _text(value.func), **described(given)}
     return _text(value)
 
 

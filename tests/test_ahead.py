@@ -15,7 +15,7 @@ for _, use in stickslip.ahead.uses():
 
 @pytest.mark.slow
 def test_after_it_nothing_is_compiled(tmp_path):
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONWARNDEFAULTENCODING": ""}
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     command = [sys.executable, "-c", "from stickslip.cli import main; main()", "compile"]
     first = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=1800)
     assert first.returncode == 0, first.stderr

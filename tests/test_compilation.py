@@ -53,7 +53,6 @@ def ask(package, code=ASK, **environment):
     variables = {
         "NUMBA_CACHE_DIR": str(package.parent / "kept"),
         "PYTHONPATH": str(package.parent),
-        "PYTHONWARNDEFAULTENCODING": "",  # other packages are not ours to warn of
     } | environment
     done = subprocess.run(
         [sys.executable, "-c", code], env=os.environ | variables, capture_output=True, text=True, timeout=300

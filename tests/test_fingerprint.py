@@ -47,7 +47,7 @@ def closure(enclosed):
         ({"a": (1, None), 2: True}, {"a": [1, None], "2": True}),
         ({"b", "a"}, ["a", "b"]),
         (Path("runs") / "bench", "runs/bench"),
-        (partial(scale, 2.0, number=3), "scale(2.0, number=3)"),
+        (partial(scale, 2.0, number=3), {"function": "scale", "factor": 2.0, "number": 3}),
         (Thing(1.0, partial(scale, 2), cache=[1]), "Thing(size=1.0, made_by=scale(2))"),
         (Pair(Plain(), scale), "Pair(left=Plain, right=scale)"),
         (closure(60), "closure.<locals>.<lambda>[enclosed=60]"),
