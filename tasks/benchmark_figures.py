@@ -334,7 +334,7 @@ def _styles(reservoirs: Sequence[str], without: str | None = None) -> dict[str, 
     markers = MARKERS.replace("*", "")
     first = 0 if without is None else 1
     return {
-        name: (colors[index % len(colors)], markers[index % len(markers)])
+        name: (colors[index % len(colors)], markers[(index + index // len(colors)) % len(markers)])
         for index, name in enumerate(reservoirs, start=first)
     }
 
