@@ -26,7 +26,7 @@ from scipy.linalg import eigh
 
 from stickslip.crawler.plotting import house_style, MARKERS, OKABE_ITO, save_figure
 from stickslip.extras import optional_import
-from stickslip.reservoir import information_processing_capacity, mean_over_runs, nrmse, predict_held_out
+from stickslip.reservoir import Estimate, information_processing_capacity, mean_over_runs, nrmse, predict_held_out
 from stickslip.tasks import (
     body_space,
     BodyReservoir,
@@ -40,6 +40,7 @@ from stickslip.tasks import (
     TASKS,
 )
 from stickslip.tasks.probe import probes
+from stickslip.tasks.task import mean_score
 
 with optional_import():
     from matplotlib import pyplot as plt
@@ -286,8 +287,9 @@ def measured(task: str, bodies: int, networks: int) -> dict[str, Any]:
     }
 
 
-def cell(scores: Sequence[float], bounds: tuple[float, float] | None = None) -> str:
-    estimate = mean_over_runs(scores, bounds=bounds)
+def cell(estimate: Estimate) -> str:
+    if math.isnan(estimate.low):
+        return f"{estimate.mean:.2f}"
     half = max(estimate.high - estimate.mean, estimate.mean - estimate.low)
     digits = max(2, min(4, 1 - math.floor(math.log10(half)))) if half > 1e-5 else 2
     return f"{estimate.mean:.{digits}f} [{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]"
@@ -300,13 +302,15 @@ def tables(tasks: dict[str, dict[str, Any]]) -> dict[str, str]:
     made = {}
     for key in ("tests", "with_noise"):
         lines = [f"| task | {' | '.join(names)} |", rule]
-        lines += [f"| {task} | {' | '.join(cell(each[key][name]) for name in names)} |" for task, each in tasks.items()]
+        for task, each in tasks.items():
+            scores = (cell(mean_score(TASKS[task], each[key][name], FEATURES)) for name in names)
+            lines.append(f"| {task} | {' | '.join(scores)} |")
         made[key] = "\n".join(lines)
     others = names[1:]
     lines = [f"| task | {' | '.join(f'less {name}' for name in others)} |", f"|---|{'---:|' * len(others)}"]
     for task, each in tasks.items():
         ours = np.array(each["tests"]["body"])
-        pairs = (cell((ours - each["tests"][name]).tolist(), bounds=(-math.inf, math.inf)) for name in others)
+        pairs = (cell(mean_over_runs(ours - each["tests"][name], bounds=(-math.inf, math.inf))) for name in others)
         lines.append(f"| {task} | {' | '.join(pairs)} |")
     made["differences"] = "\n".join(lines)
     for task, each in tasks.items():
@@ -380,7 +384,8 @@ def main() -> None:
         tasks = {}
         for task in CHOSEN:
             tasks[task] = measured(task, arguments.bodies, arguments.networks)
-            print(task, {name: cell(scores) for name, scores in tasks[task]["tests"].items()}, flush=True)
+            found = tasks[task]["tests"].items()
+            print(task, {name: cell(mean_score(TASKS[task], scores, FEATURES)) for name, scores in found}, flush=True)
         keep(RESULTS, {"machine": machine(), "length": LENGTH, "noise": NOISE, "tasks": tasks})
     results = json.loads(RESULTS.read_text(encoding="utf-8"))
     draw(results["tasks"])

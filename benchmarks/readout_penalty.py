@@ -6,6 +6,7 @@ and scored the same way as the bodies. The table goes into `docs/reservoir.md`, 
 ``results/readout_penalty.json``.
 """
 
+import math
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -56,7 +57,8 @@ def markdown(found: dict[tuple[str, str], list[float]]) -> str:
         cells = []
         for reservoir in RESERVOIRS:
             each = mean_over_runs(found[task, reservoir])
-            cells.append(f"{each.mean:+.3f} ± {(each.high - each.low) / 2:.3f}")
+            half = "" if math.isnan(each.low) else f" ± {(each.high - each.low) / 2:.3f}"
+            cells.append(f"{each.mean:+.3f}{half}")
         lines.append(f"| {task} | {' | '.join(cells)} |")
     return "\n".join(lines)
 

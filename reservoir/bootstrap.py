@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,8 @@ _FLOOR = 0.1
 # Lengths of Student's half interval that skew may add to it: two runs would be worth nothing otherwise.
 _FURTHEST = 5
 _ROUNDING = 1e-9
+# Share of the largest score by which equal ones may differ, by rounding alone.
+_EQUAL = 1e-13
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class Estimate:
     ----------
     mean : float
     low, high : float
-        Ends of the interval of confidence.
+        Ends of the interval of confidence; NaN where none is known.
     runs : int
     """
 
@@ -36,6 +39,10 @@ class Estimate:
     low: float
     high: float
     runs: int
+
+    def at_most(self, bound: float) -> Self:
+        """The same, with an upper end that does not pass a bound of the true mean; the mean itself may, by chance."""
+        return replace(self, high=float(np.maximum(self.mean, np.minimum(self.high, bound))))
 
 
 def mean_over_runs(
@@ -51,7 +58,11 @@ def mean_over_runs(
     ``mean exp(t s' / sqrt(runs))``, with s' the standard deviation of the logarithms of what is above the bound, each
     at least a tenth of its mean (but at most five times as far from the mean as Student's end). Likewise for an upper
     bound; and no end passes a bound. Without bounds, values of one sign are treated as bounded by 0, but for the end
-    that may pass it. `docs/trust.md` says what that covers.
+    that may pass it. `docs/trust.md` says what that covers: of continuous scores 95% and more, from three runs on. Of
+    scores that are nearly always the same it covers less: a rare other one may be missing from the runs.
+
+    Runs that all score the same, to rounding, tell no spread, and both ends are NaN. Three draws of which one in five
+    is 1, and the rest 0, are all 0 in every second trial; an interval from 0 to 0 would be wrong there.
 
     Parameters
     ----------
@@ -82,6 +93,8 @@ def mean_over_runs(
     if not least < most or (x < least - _ROUNDING).any() or (x > most + _ROUNDING).any():
         raise ValueError(f"bounds must hold all values, from {x.min()} to {x.max()}, got {bounds}")
     errors = float(stdtrit(len(x) - 1, (1 + confidence) / 2)) / math.sqrt(len(x))
+    if np.ptp(x) <= _EQUAL * float(np.abs(x).max()):
+        return Estimate(float(x.mean()), math.nan, math.nan, len(x))
     mean, half = float(x.mean()), errors * float(x.std(ddof=1))
     low, high = max(mean - half, least), min(mean + half, most)
     below, above = (0.0 if (x >= 0).all() else least, 0.0 if (x <= 0).all() else most) if bounds is None else bounds

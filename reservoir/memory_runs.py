@@ -60,14 +60,17 @@ def memory_over_runs(memories: Sequence[MemoryCapacity], confidence: float = 0.9
         if not np.array_equal(run.delays, runs[0].delays):
             raise ValueError(f"memories must share their delays, got {runs[0].delays} and {run.delays}")
     sums = (0.0, float(len(runs[0].delays)) if runs else math.inf)
+    bound = max((run.bound for run in runs), default=0)
+    corrected = mean_over_runs([run.corrected for run in runs], confidence, bounds=sums)
     total = mean_over_runs([run.total for run in runs], confidence, bounds=sums)
     profiles = np.transpose([run.profile for run in runs])
     at_delays = [mean_over_runs(values, confidence, bounds=(0.0, 1.0)) for values in profiles]
+    # Less what chance adds, a total is no more than the rank.
     return MemoryOverRuns(
         delays=runs[0].delays,
         profile=np.array([at.mean for at in at_delays]),
         profile_interval=np.array([[at.low for at in at_delays], [at.high for at in at_delays]]),
         total=total,
-        corrected=mean_over_runs([run.corrected for run in runs], confidence, bounds=sums),
-        bound=max(run.bound for run in runs),
+        corrected=corrected.at_most(bound),
+        bound=bound,
     )

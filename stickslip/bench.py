@@ -197,7 +197,7 @@ class Bench:
         """
         kept = self._records.load()
         records = [kept[key] for key in product(self._tasks, self._reservoirs, self._seeds)]
-        found = estimates(records, self._tasks)
+        found = estimates(records, self._tasks, self._reservoirs)
         paired = differences(records, self.against)
         rows, compared = as_rows(found, self._tasks), as_rows(paired, self._tasks, signed=True) if paired else []
         inputs = {

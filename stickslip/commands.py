@@ -373,7 +373,8 @@ def search(
     text = json.dumps(result, indent=1) + "\n"
     atomically(output / "best.json", lambda path: path.write_text(text, encoding="utf-8"))
     typer.echo(repr(found.reservoir))
-    typer.echo(f"{task}: {test.mean:.4f}, 95% interval {test.low:.4f} to {test.high:.4f} over {test.runs} test seeds")
+    interval = "" if math.isnan(test.low) else f", 95% interval {test.low:.4f} to {test.high:.4f}"
+    typer.echo(f"{task}: {test.mean:.4f}{interval} over {test.runs} test seeds")
 
 
 @app.command(cls=Interruptible, name="compile")

@@ -184,7 +184,7 @@ def plot_information(records: Sequence[Record]) -> Figure:
             )
             total += share
         bands = [_band(np.array([[r.score] for r in each])) for each in own.values()]
-        spread = np.array([[mean[0] - low[0], high[0] - mean[0]] for mean, low, high in bands]).T
+        spread = np.nan_to_num([[mean[0] - low[0], high[0] - mean[0]] for mean, low, high in bands]).T
         ax.errorbar(total, place, xerr=spread, fmt="none", ecolor="black", capsize=2, lw=1)
         rank = [np.mean([r.details["rank"] for r in each]) for each in own.values()]
         ax.vlines(rank, place - 0.38, place + 0.38, color="black", lw=1.5, label="rank of the states")

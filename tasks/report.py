@@ -9,31 +9,39 @@ from typing import Any
 from ..reservoir import Estimate, mean_over_runs
 from ..validation import known_names
 from .records import Record
-from .task import Task
+from .reservoirs import Reservoir
+from .task import mean_score, Task
 
-__all__ = ["as_json", "as_markdown", "as_rows", "differences", "estimates", "versions"]
+__all__ = ["as_json", "as_markdown", "as_rows", "cell", "differences", "estimates", "versions"]
 
 _LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "scikit-learn")
 _DIGITS = {"NRMSE": 3, "accuracy": 3}
 
 
 def estimates(
-    records: Iterable[Record], tasks: Mapping[str, Task] | None = None, bounds: tuple[float, float] | None = None
+    records: Iterable[Record],
+    tasks: Mapping[str, Task] | None = None,
+    reservoirs: Mapping[str, Reservoir] | None = None,
+    *,
+    bounds: tuple[float, float] | None = None,
 ) -> dict[tuple[str, str], Estimate]:
     """Mean over seeds with its 95% interval, by task and reservoir in order of first appearance.
 
     Of a single seed the ends of the interval are not numbers. The bounds are those of `mean_over_runs`; where `tasks`
-    are given, each score has those of its metric.
+    are given, each score has those of `mean_score`, by the features of its reservoir where there are `reservoirs`.
     """
     values: dict[tuple[str, str], list[float]] = {}
     for record in records:
         values.setdefault((record.task, record.reservoir), []).append(record.score)
-    return {
-        (task, reservoir): mean_over_runs(scores, bounds=tasks[task].metric.bounds if tasks else bounds)
-        if len(scores) > 1
-        else Estimate(scores[0], math.nan, math.nan, 1)
-        for (task, reservoir), scores in values.items()
-    }
+
+    def estimate(task: str, reservoir: str, scores: list[float]) -> Estimate:
+        if len(scores) == 1:
+            return Estimate(scores[0], math.nan, math.nan, 1)
+        if tasks is None:
+            return mean_over_runs(scores, bounds=bounds)
+        return mean_score(tasks[task], scores, getattr((reservoirs or {}).get(reservoir), "features", None))
+
+    return {key: estimate(*key, scores) for key, scores in values.items()}
 
 
 def differences(records: Iterable[Record], reference: str) -> dict[tuple[str, str], Estimate]:
@@ -88,14 +96,14 @@ def as_rows(
     Returns
     -------
     list of list of str
-        Cells read "mean [low, high]", or "mean" for a single seed.
+        Cells read "mean [low, high]", or "mean" where no interval is known.
     """
     reservoirs = list(dict.fromkeys(reservoir for _, reservoir in found))
     rows = []
     for task in dict.fromkeys(task for task, _ in found):
         metric = tasks[task].metric
         digits = _DIGITS.get(metric.name, 2)
-        cells = [_cell(found[task, reservoir], digits, "+" if signed else "") for reservoir in reservoirs]
+        cells = [cell(found[task, reservoir], digits, "+" if signed else "") for reservoir in reservoirs]
         rows.append([f"{task} {'↑' if metric.more_is_better else '↓'}", *cells])
     return [["task", *reservoirs], *rows]
 
@@ -147,6 +155,7 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **{library: version(library) for library in _LIBRARIES}}
 
 
-def _cell(each: Estimate, digits: int, sign: str) -> str:
+def cell(each: Estimate, digits: int = 2, sign: str = "") -> str:
+    """An estimate as text: "mean [low, high]", or "mean" where no interval is known."""
     ends = "" if math.isnan(each.low) else f" [{each.low:{sign}.{digits}f}, {each.high:{sign}.{digits}f}]"
     return f"{each.mean:{sign}.{digits}f}{ends}"

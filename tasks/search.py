@@ -26,12 +26,12 @@ from numpy.typing import NDArray
 from ..crawler import SolverError
 from ..files import atomically
 from ..fingerprint import described, refuse_other
-from ..reservoir import Estimate, mean_over_runs
+from ..reservoir import Estimate
 from ..validation import number_within, whole_number
 from .catalogue import TASKS
 from .reservoirs import Reservoir
 from .space import Choice, Space
-from .task import Task
+from .task import mean_score, Task
 
 __all__ = ["Evaluation", "Found", "held_out_scores", "search"]
 
@@ -231,7 +231,7 @@ def held_out_scores(
     if leaked:
         raise ValueError(f"seeds must hold none of the validation seeds, got {leaked}")
     scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in chosen]
-    return scores, mean_over_runs(scores, bounds=task.metric.bounds)
+    return scores, mean_score(task, scores, getattr(reservoir, "features", None))
 
 
 def _scores(task: Task, reservoir: Reservoir, seeds: Sequence[int], length: int, washout: int) -> list[float] | None:

@@ -9,12 +9,24 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..reservoir import memory_capacity, MemoryCapacity, nrmse
+from ..reservoir import Estimate, mean_over_runs, memory_capacity, MemoryCapacity, nrmse
 from ..reservoir.ridge import samples_needed, training_samples
 from ..validation import whole_number
 from .reservoirs import Reservoir
 
-__all__ = ["ACCURACY", "CAPACITY", "DELAYS", "NRMSE", "Metric", "Problem", "SeriesTask", "Solution", "Task", "tuned"]
+__all__ = [
+    "ACCURACY",
+    "CAPACITY",
+    "DELAYS",
+    "NRMSE",
+    "Metric",
+    "Problem",
+    "SeriesTask",
+    "Solution",
+    "Task",
+    "mean_score",
+    "tuned",
+]
 
 DELAYS = 40
 """Delays over which capacities are summed."""
@@ -23,9 +35,12 @@ _HOLDOUT = 0.5
 
 _BOUNDS = {
     "accuracy": (0.0, 1.0),
+    "index": (1.0, math.inf),
     **dict.fromkeys(("NRMSE", "capacity", "rank", "valid time"), (0.0, math.inf)),
 }
 """By the metric's name."""
+_DIRECTIONS = ("capacity", "rank")
+"""Metrics that count directions of the states, of which there are as many as features at most."""
 
 
 class Solution(NamedTuple):
@@ -182,6 +197,37 @@ class SeriesTask:
 
         best = tuned(reservoir, validation, self.metric)
         return self.metric.solve(best(problem.drive, seed), problem.targets, start)
+
+
+def mean_score(task: Task, scores: Sequence[float], features: int | None = None) -> Estimate:
+    """Average a task's scores over seeds, with an interval that keeps to where the true mean can lie.
+
+    Parameters
+    ----------
+    task : Task
+    scores : sequence of float
+        Two at least.
+    features : int, optional
+        Of the reservoir: no capacity and no rank is more.
+
+    Returns
+    -------
+    Estimate
+
+    Raises
+    ------
+    ValueError
+        As in `mean_over_runs`.
+    """
+    if task.metric.bounds is None:
+        return mean_over_runs(scores)
+    least, most = task.metric.bounds
+    most = min(most, getattr(task, "horizon", math.inf))
+    if features is not None and task.metric.name in _DIRECTIONS:
+        most = min(most, features)
+    # Chance may put the estimate of one seed, and rarely their mean, beyond what can be true.
+    found = mean_over_runs(scores, bounds=(least, max(most, *scores)))
+    return found.at_most(most)
 
 
 @lru_cache(maxsize=32)

@@ -10,6 +10,7 @@ import pytest
 from measuring import refreshed
 
 from stickslip.crawler import Scene
+from stickslip.reservoir import mean_over_runs
 from stickslip.tasks import BodyReservoir, DelayLine, EchoState
 
 
@@ -45,7 +46,8 @@ def test_noise_is_a_thousandth_and_its_own_each_time():
 
 
 def test_a_cell_by_hand():
-    assert best.cell([1.0, 3.0], bounds=(-math.inf, math.inf)) == "2.00 [-10.71, 14.71]"
+    assert best.cell(mean_over_runs([1.0, 3.0], bounds=(-math.inf, math.inf))) == "2.00 [-10.71, 14.71]"
+    assert best.cell(mean_over_runs([2.0, 2.0])) == "2.00"
 
 
 def test_modes_decay_as_the_body_does():

@@ -1,6 +1,7 @@
 """The tables of docs/reservoir.md and of the README are those of the results that are kept."""
 
 import json
+import math
 
 import laboratory
 import pytest
@@ -15,7 +16,9 @@ RESULTS = json.loads(laboratory.RESULTS.read_text(encoding="utf-8"))
 
 def table(part, kept, *, signed=False):
     found = {
-        (each["task"], each["reservoir"]): Estimate(each["mean"], *each["interval"], each["seeds"])
+        (each["task"], each["reservoir"]): Estimate(
+            each["mean"], *(each["interval"] or (math.nan, math.nan)), each["seeds"]
+        )
         for each in RESULTS[part][kept]
     }
     return as_markdown(as_rows(found, {**TASKS, **MEASURES}, signed=signed))

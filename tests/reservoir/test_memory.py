@@ -328,6 +328,16 @@ def test_resampling_leaves_the_score_as_it_is():
     assert exact.total_interval == pytest.approx((3, 3), abs=1e-9)
 
 
+def test_the_corrected_total_over_runs_ends_at_the_rank():
+    runs = []
+    for seed, noise in enumerate((0.01, 0.01, 0.5)):
+        e = message(600, seed)
+        runs.append(memory_capacity(delay_line(e, 3) + noise * np.random.default_rng(seed).normal(size=(600, 3)), e, 9))
+    memory = memory_over_runs(runs)
+    assert mean_over_runs([run.corrected for run in runs]).high > 3
+    assert memory.corrected.low < memory.corrected.mean < memory.corrected.high == 3
+
+
 def test_runs_are_combined():
     runs = []
     for seed in range(4):

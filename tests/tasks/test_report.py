@@ -6,7 +6,7 @@ import pytest
 from matplotlib.container import BarContainer, ErrorbarContainer
 
 from stickslip.reservoir import Estimate
-from stickslip.tasks import TASKS
+from stickslip.tasks import DelayLine, MEASURES, TASKS
 from stickslip.tasks.benchmark_figures import (
     plot_information,
     plot_predictions,
@@ -19,6 +19,8 @@ from stickslip.tasks.report import as_json, as_markdown, as_rows, differences, e
 
 mpl.use("agg")
 
+KNOWN = {**TASKS, **MEASURES}
+RANKS = [name for name in MEASURES if "rank" in name]
 NARMA, PARITY = "NARMA-2 NRMSE", "parity-2 capacity"
 
 
@@ -73,6 +75,27 @@ def test_an_interval_of_errors_or_capacities_is_never_negative():
         assert each.low == 0 < each.mean < each.high
 
 
+@pytest.mark.parametrize("task", ["memory capacity", "parity-3 capacity", "information capacity", *RANKS])
+def test_no_capacity_or_rank_reaches_beyond_the_features(task):
+    kept = records(task, [12.0] * 14 + [11.5])
+    [crawler] = estimates(kept, KNOWN, {"crawler": DelayLine(12)}).values()
+    assert crawler.low < crawler.mean < crawler.high == 12
+    [unknown] = estimates(kept, KNOWN, {"crawler": lambda series, seed: series}).values()
+    assert unknown.high > 12
+    [beyond] = estimates([*kept[:-1], kept[-1]._replace(score=12.1)], KNOWN, {"crawler": DelayLine(12)}).values()
+    assert beyond.high == max(12, beyond.mean)
+
+
+def test_equal_scores_have_no_interval_at_a_bound_either():
+    [each] = estimates(records("memory capacity", [3.0] * 5), KNOWN, {"crawler": DelayLine(12)}).values()
+    assert np.isnan([each.low, each.high]).all()
+
+
+def test_no_valid_time_reaches_beyond_the_horizon():
+    [each] = estimates(records("Lorenz valid time", [8.0, 8.0, 7.0]), KNOWN).values()
+    assert each.high == 8
+
+
 def test_differences_are_paired_by_draw():
     """Scores that vary by 10 from draw to draw, and by 1 and 2 between reservoirs: t(0.975, 1) s / sqrt(2) = 6.353."""
     kept = records(NARMA, [10.0, 20.0], "a") + records(NARMA, [11.0, 22.0], "b") + records(PARITY, [1.0, 1.0], "a")
@@ -81,15 +104,15 @@ def test_differences_are_paired_by_draw():
     assert set(found) == {(NARMA, "b"), (PARITY, "b")}
     assert found[NARMA, "b"].mean == 1.5
     assert found[NARMA, "b"].high - 1.5 == pytest.approx(6.353, abs=1e-3)
-    assert found[PARITY, "b"] == (Estimate(0.0, 0.0, 0.0, 2))
+    assert math.isnan(found[PARITY, "b"].low)
     rows = as_rows(differences(kept, "b"), TASKS, signed=True)
     assert rows == [
         ["task", "a"],
         ["NARMA-2 NRMSE ↓", "-1.500 [-7.853, +4.853]"],
-        ["parity-2 capacity ↑", "+0.00 [+0.00, +0.00]"],
+        ["parity-2 capacity ↑", "+0.00"],
     ]
     told = as_json(kept, estimates(kept), found, {})["differences"]
-    assert told[0] == {"task": PARITY, "reservoir": "b", "mean": 0.0, "interval": [0.0, 0.0], "seeds": 2}
+    assert told[0] == {"task": PARITY, "reservoir": "b", "mean": 0.0, "interval": None, "seeds": 2}
     with pytest.raises(ValueError, match="against has no 'c'"):
         differences(kept, "c")
 
