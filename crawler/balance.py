@@ -69,7 +69,9 @@ def balance_of(ledger: Ledger, store: Store, steps: int, tolerance: float, farth
     return Balance(residual, scale, steps * (error + rounding))
 
 
-def check_balance(balance: Balance, groups: Groups, scene: Scene, tolerance: float, solver: str) -> None:
+def check_balance(
+    balance: Balance, groups: Groups, scene: Scene, tolerance: float, solver: str, whose: str = ""
+) -> None:
     """Warn where the energies of a run do not add up.
 
     Warns
@@ -80,7 +82,7 @@ def check_balance(balance: Balance, groups: Groups, scene: Scene, tolerance: flo
     if abs(balance.residual) <= balance.allowed:
         return
     warnings.warn(
-        f"the energies do not add up: {balance.residual:.3g} of the work is neither stored nor lost, where "
+        f"{whose}the energies do not add up: {balance.residual:.3g} of the work is neither stored nor lost, where "
         f"{balance.scale:.3g} flowed and solver {solver!r} at tolerance {tolerance:g} explains {balance.allowed:.2g}. "
         f"This result contradicts the conservation of energy: do not use it; try another solver, and report {groups} "
         f"in {scene}",

@@ -15,7 +15,7 @@ from .chain_simulation import run_chain, stretches_of
 from .control import FINISHED, MAX_STEPS, STEPS_A_HOLD
 from .crawler_simulation import run_crawler
 from .groups import Groups, groups_of_each, GroupsLike
-from .refusals import solver_error
+from .refusals import solver_error, SolverError
 from .scene import Scene
 from .solvers import AUTO, choose, Solver, SOLVERS
 from .trajectory import EVENT, Trajectory
@@ -84,7 +84,8 @@ def simulate(
         If an argument is out of its range or of the wrong type, "closed_form" is asked for of groups that are not
         linear, or `condition` of a chain of heavy segments; the message names it.
     SolverError
-        If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or takes more than `max_steps`.
+        If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or takes more than `max_steps`; of a batch the message
+        names the row.
 
     Warns
     -----
@@ -127,9 +128,10 @@ def simulate(
         if outcome.status != FINISHED:
             reached = finished * hold + outcome.elapsed
             deformation, steps = outcome.body.deformation, outcome.steps
-            raise solver_error(
+            error = solver_error(
                 outcome.status, reached, deformation, steps, groups_of, scene, tolerance, by.name, outcome.body.slips
             )
+            raise error if single else SolverError(f"crawler {member}: {error}")
         finals.append(outcome.body)
         ledgers.append(outcome.ledger)
         grown[member] = store.growth
@@ -142,7 +144,7 @@ def simulate(
             max(abs(body.foot), float(np.abs(samples[member, 3]).max())),
             groups_of.kinetic_friction + abs(scene.slope),
         )
-        check_balance(balance, groups_of, scene, tolerance, by.name)
+        check_balance(balance, groups_of, scene, tolerance, by.name, "" if single else f"crawler {member}: ")
         scales[member] = balance.scale
         log = np.empty(len(events), EVENT)
         log["time"], log["motion"], log["crawler"] = events[:, 0], events[:, 1], member

@@ -105,6 +105,9 @@ def test_a_run_whose_ledger_misses_energy_is_not_answered_in_silence(monkeypatch
     with pytest.warns(EnergyWarning, match="the energies do not add up: .* contradicts the conservation of energy"):
         done = simulate(valve=WORD, hold=1.0, **arguments)
     assert np.isnan(done.energy_residual) or done.energy_residual == pytest.approx(lost, abs=1e-8)
+    with pytest.warns(EnergyWarning) as warned:
+        simulate(valve=[WORD, WORD], hold=1.0, **arguments)
+    assert [str(each.message).partition(":")[0] for each in warned] == ["crawler 0", "crawler 1"]
 
 
 @pytest.mark.parametrize(

@@ -92,6 +92,17 @@ def test_a_batch_that_fails_raises_rather_than_return_garbage():
         simulate([Groups(), Groups(duffing=0.0, radial_coupling=2.0)], [1], 1e3)
 
 
+def test_the_row_of_a_batch_that_fails_is_named():
+    batch = [{}, {"damping_ratio": 1e4}]
+    arguments = {"solver": "taylor", "max_steps": 3000}
+    alone = refusal(batch[1], [1, 0], 1000.0, **arguments)
+    assert alone.startswith("the step budget of 3000 was spent")
+    assert refusal(batch, [1, 0], 1000.0, **arguments) == f"crawler 1: {alone}"
+    # So it is in a batch of schedules, and of one row.
+    assert refusal(batch[1], [[0, 0], [1, 0]], 0.9, **arguments | {"max_steps": 300}).startswith("crawler 1: ")
+    assert refusal(batch[1:], [1, 0], 1000.0, **arguments) == f"crawler 0: {alone}"
+
+
 # What the kernel reports
 
 
