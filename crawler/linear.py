@@ -195,9 +195,9 @@ def _next_event(
     else:
         moment, over = length, whole
     following = _carried(body, start, physics, valve, over, moment)
-    pull = force(physics, following.deformation, following.velocity, following.pressure)
     z, v = following.deformation, following.velocity
     if rests or comes_to_rest(body.motion, physics, z, v, following.pressure, following.foot_velocity):
+        pull = force(physics, z, v, following.pressure)
         return moment, motion_after_rest(body.motion, physics, pull), spent
     return length, body.motion, spent
 
