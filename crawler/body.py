@@ -9,9 +9,11 @@ from .scene import Scene
 
 __all__ = [
     "BACKWARD",
+    "FOOT",
     "FORWARD",
     "NOTHING_YET",
     "REST",
+    "SLIPS",
     "STUCK",
     "Body",
     "ChainState",
@@ -57,6 +59,10 @@ class Body(NamedTuple):
     foot_velocity: float
     motion: int  # STUCK, FORWARD or BACKWARD
     slips: int  # transitions into sliding so far
+
+
+# Places in an array of these fields.
+FOOT, SLIPS = Body._fields.index("foot"), Body._fields.index("slips")
 
 
 class Ledger(NamedTuple):

@@ -31,6 +31,7 @@ def solver_error(
     tolerance: float,
     solver: str,
     slips: int = 0,
+    began: float = 0.0,
 ) -> SolverError:
     """The exception that tells what an unfinished run means: where, why, and what to change.
 
@@ -47,7 +48,9 @@ def solver_error(
     tolerance : float
     solver : str
     slips : int
-        In the steps of the budget, where they are known.
+        In the steps of the budget.
+    began : float
+        When the first of those steps began.
     """
     where = f"at time {time:.6g} (z = {deformation:.6g})"
     absurd = _absurd(groups, scene)
@@ -59,7 +62,7 @@ def solver_error(
             cause = "a body with radial_coupling > 1 needs duffing > 0"
         return SolverError(f"the motion diverged {where}: {cause}, with {groups}")
     fastest = fastest_rate(groups, scene, deformation)
-    cause, remedies = _spent(absurd, fastest, time, slips, tolerance, solver)
+    cause, remedies = _spent(absurd, fastest, time - began, slips, tolerance, solver)
     if is_chain(scene):
         remedies = [f"fewer segments than {scene.segments}", f"more tube_mass than {scene.tube_mass!r}", *remedies]
     return SolverError(
@@ -69,20 +72,20 @@ def solver_error(
 
 
 def _spent(
-    absurd: str, fastest: FastestRate, time: float, slips: int, tolerance: float, solver: str
+    absurd: str, fastest: FastestRate, span: float, slips: int, tolerance: float, solver: str
 ) -> tuple[str, list[str]]:
-    """What the steps were spent on, and what to do about it."""
+    """What the steps, over a span of time, were spent on, and what to do about it."""
     remedies = ["a larger max_steps"]
     if solver != "closed_form":
         remedies.append("a looser tolerance")
     if absurd:
         return f"{absurd} makes it faster than any solver follows", [*remedies, "less of that"]
     acts = f"{fastest.name} acts at a rate of {fastest.rate:.3g} per unit of time"
-    swings = fastest.rate * time / (2.0 * math.pi)
+    swings = fastest.rate * span / (2.0 * math.pi)
     if slips > _MANY_SLIPS * (1.0 + swings):
         cause = f"{slips} slips have accumulated, {slips / (1.0 + swings):.3g} in the time of a swing of the body"
         return f"{cause}, whose pull hovers about the grip", [*remedies, "another static_friction"]
-    alive = fastest.decay < fastest.rate and fastest.decay * time < -math.log(tolerance)
+    alive = fastest.decay < fastest.rate and fastest.decay * span < -math.log(tolerance)
     if alive and swings > 1.0:
         return f"{acts}: {swings:.3g} real swings so far, which no solver may skip", [*remedies, "a shorter schedule"]
     # Radau would hold fast what grows, and damp what swings on.

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..compilation import compiled, merged
 from ..crawler import Groups
-from ..crawler.body import Body, Physics
+from ..crawler.body import Body, FOOT, Physics, SLIPS
 from ..crawler.control import Control, FINISHED, Method, METHODS
 from ..crawler.lanes import advance_lanes
 from ..generators import next_uniform
@@ -18,7 +18,6 @@ from .settings import COUNTS, NUMBERS
 
 __all__ = ["STEP_BATCH", "Batch", "Results", "Reward", "batch_of"]
 
-_FOOT, _SLIPS = 3, 6  # in `Body`
 _SPEED, _MEMORY, _DISTANCE, _INNOVATION = range(len(NUMBERS))
 _VALVE, _SLIPS_SO_FAR = range(len(COUNTS))
 Array = NDArray[np.float64]
@@ -129,7 +128,7 @@ def _step_batch(
         As `advance_lanes` wants them.
     scratch : (2, features + 1, LANES) array
     results : Results
-        Where a status is not FINISHED the rest does not count.
+        Where a status is not FINISHED the rest is of the step before, and does not count.
     """
     hold, dither = reward.hold, reward.dither
     if opens:
@@ -143,7 +142,7 @@ def _step_batch(
             if function != 0 and next_uniform(function, generator) < dither:
                 valve = 1 - valve
             batch.valves[i] = valve
-            batch.starts[i] = batch.bodies[_FOOT, i]
+            batch.starts[i] = batch.bodies[FOOT, i]
             batch.scores[i] = valve - abs(commands[i] - dither)
             results.numbers[_INNOVATION, i] = batch.scores[i]
     control = Control(tolerance, order, max_steps, False, False, False, method)
@@ -173,7 +172,9 @@ def _step_batch(
             results.rewards[i] = 0.0
             results.truncations[i] = False
             continue
-        foot = batch.bodies[_FOOT, i]
+        if results.statuses[i] != FINISHED:
+            continue
+        foot = batch.bodies[FOOT, i]
         speed = (foot - batch.starts[i]) / hold
         memory = batch.scores[i] if readouts is not None else 0.0
         observation = results.observations[i]
@@ -189,7 +190,7 @@ def _step_batch(
         results.numbers[_MEMORY, i] = memory
         results.numbers[_DISTANCE, i] = foot
         results.counts[_VALVE, i] = batch.valves[i]
-        results.counts[_SLIPS_SO_FAR, i] = int(batch.bodies[_SLIPS, i])
+        results.counts[_SLIPS_SO_FAR, i] = int(batch.bodies[SLIPS, i])
 
 
 def _stepper(method: type[Method]) -> Callable[..., None]:

@@ -12,6 +12,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from ..crawler import Groups, GroupsLike, Scene
+from ..crawler.body import SLIPS
 from ..crawler.control import FINISHED, MAX_STEPS
 from ..crawler.refusals import solver_error
 from ..generators import whereabouts
@@ -257,9 +258,10 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         speed, memory, distance, innovation, reward, valve, slips, elapsed = self._told.tolist()
         if status != FINISHED:
             self._body = None
-            reached = self._steps * self.settings.hold + elapsed
+            began = self._steps * self.settings.hold
             crawler = self.episode_groups, self.episode_scene, self.settings.tolerance
-            raise solver_error(status, reached, float(body[0]), MAX_STEPS, *crawler, solver)
+            after, gained = float(body[0]), int(body[SLIPS] - slips)  # those told are of the step before
+            raise solver_error(status, began + elapsed, after, MAX_STEPS, *crawler, solver, gained, began)
         self._steps += 1
         if self.render_mode == "human":
             self.render()

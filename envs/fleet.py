@@ -13,7 +13,7 @@ from gymnasium.utils import seeding
 from numpy.typing import NDArray
 
 from ..crawler import Groups, Scene
-from ..crawler.body import Body, STUCK
+from ..crawler.body import Body, SLIPS, STUCK
 from ..crawler.control import MAX_STEPS
 from ..crawler.lanes import lane_workspace
 from ..crawler.linear import is_linear
@@ -356,12 +356,14 @@ class Fleet:
 
     def _error(self, i: int) -> SolverError:
         """Why the first crawler that failed did."""
-        holds = self.batch.steps[i] - 1  # without the one that failed
-        reached = float(holds * self._settings.hold + self.results.elapsed[i])
+        began = float(self.batch.steps[i] * self._settings.hold)
+        reached = began + float(self.results.elapsed[i])
+        # Those told are of the step before.
+        gained = int(self.batch.bodies[SLIPS, i]) - int(self.results.counts[COUNTS.index("slips"), i])
         deformation = float(self.batch.bodies[0, i])
         status, tolerance, solver = int(self.results.statuses[i]), self._settings.tolerance, str(self._solvers[i])
         groups, scene = self.crawlers[i]
-        error = solver_error(status, reached, deformation, MAX_STEPS, groups, scene, tolerance, solver)
+        error = solver_error(status, reached, deformation, MAX_STEPS, groups, scene, tolerance, solver, gained, began)
         return SolverError(f"sub-environment {self._names[i]}: {error}")
 
 

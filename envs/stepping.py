@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compilation import compiled, merged
-from ..crawler.body import Body, NOTHING_YET, Physics, physics
+from ..crawler.body import Body, FOOT, NOTHING_YET, Physics, physics, SLIPS
 from ..crawler.control import Control, FINISHED, MAX_STEPS, Method, METHODS
 from ..crawler.driving import advance_by_method
 from ..crawler.groups import Groups
@@ -25,7 +25,6 @@ from .settings import Settings
 
 __all__ = ["NO_MEMORY", "TOLD", "TOLD_OF_STATE", "Stepper", "calibration_states", "rest", "stepper_for"]
 
-_FOOT, _SLIPS = 3, 6  # in `Body`
 _BODY = len(Body._fields)
 _HOLD, _TOLERANCE, _ORDER, _MAX_STEPS, _DITHER, _WEIGHT, _VARIANCE = range(
     len(Physics._fields), len(Physics._fields) + 7
@@ -83,14 +82,15 @@ def calibration_states(settings: Settings) -> Array:
     valves = calibration_valves(settings)
     groups, scene = settings.groups, settings.scene
     step, fixed, workspace, solver = stepper_for(settings, groups, scene)
-    body, observation, told = rest(), np.empty(5, np.float32), np.empty(TOLD)
+    body, observation, told = rest(), np.empty(5, np.float32), np.zeros(TOLD)
     samples = np.empty((5, settings.samples))
     states = np.empty((len(valves), settings.features))
     for k, valve in enumerate(valves.tolist()):
         status = step(body, fixed, valve, 0, 0, samples, workspace, observation, told, *NO_MEMORY, 0)
         if status != FINISHED:
-            reached = k * settings.hold + float(told[_ELAPSED])
-            raise solver_error(status, reached, float(body[0]), MAX_STEPS, groups, scene, settings.tolerance, solver)
+            began, crawler = k * settings.hold, (groups, scene, settings.tolerance)
+            reached, gained = began + float(told[_ELAPSED]), int(body[SLIPS] - told[_SLIPS_SO_FAR])
+            raise solver_error(status, reached, float(body[0]), MAX_STEPS, *crawler, solver, gained, began)
         states[k] = samples[:3].reshape(-1)
     return states
 
@@ -146,7 +146,7 @@ def _step(
     valve = command
     if function != 0 and next_uniform(np.uint64(function), np.uint64(generator)) < dither:
         valve = 1 - command
-    start = body[_FOOT]
+    start = body[FOOT]
     outcome = advance_by_method(
         Body(body[0], body[1], body[2], body[3], body[4], int(body[5]), int(body[6])),
         NOTHING_YET,
