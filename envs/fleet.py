@@ -258,7 +258,7 @@ class Fleet:
                 if self._tables is None:
                     self._tables = np.zeros((places, *stepper.workspace.shape))
                 self._tables[i % places] = stepper.workspace
-        names = sorted(set(self._solvers.tolist()))
+        names = sorted(set(self._solvers.tolist()) - {""})  # which have none yet
         self._methods = [
             (name, None if len(names) == 1 else self._solvers != name, SOLVERS[name].control(settings.tolerance))
             for name in names

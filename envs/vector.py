@@ -130,7 +130,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         self._pending = np.zeros(self.num_envs, np.bool_)
         self._all = np.ones(self.num_envs, np.bool_)
         self._terminations = np.zeros(self.num_envs, np.bool_)
-        self._running = False
+        self._begun = np.zeros(self.num_envs, np.bool_)  # who have an episode
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -158,23 +158,11 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         ValueError, TypeError
             If an argument is wrong; nothing is reset then.
         gymnasium.error.ResetNeeded
-            If the first reset, or the first after a SolverError, is not one of all.
+            If the first reset, or the first after a SolverError, is not one of all; `call("reset")` is.
         gymnasium.error.ClosedEnvironmentError
             If called after `close`.
         """
-        self._refuse_closed()
-        chosen = known_options(options, ("reset_mask", *CRAWLER_OPTIONS))
-        mask = self._reset_mask(chosen.pop("reset_mask", None))
-        choices = self._choices(**chosen) if chosen else None
-        seeds = self._seeds_of(seed)
-        if not self._running and not mask.all():
-            raise ResetNeeded("the first reset must be of all sub-environments, got a reset_mask of some")
-        self._fleet.begin(mask, seeds, choices)
-        self._running = True
-        self._pending = self._pending & ~mask
-        if self.render_mode == "human":
-            self.render()
-        return self._own(self._fleet.results.observations), self._told(mask)
+        return self._reset(seed, options, some=self._running)
 
     def step(
         self, actions: ArrayLike
@@ -216,9 +204,9 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         if restarting and self.autoreset_mode is AutoresetMode.DISABLED:
             over = np.flatnonzero(idle).tolist()
             raise ResetNeeded(f"the episodes of sub-environments {over} are over; reset them with a reset_mask")
-        self._running = False  # until the step has succeeded
+        self._begun[:] = False  # until the step has succeeded
         self._fleet.step(commands, idle)
-        self._running = True
+        self._begun[:] = True
 
         results = self._fleet.results
         self._terminations[:] = False  # without copies the caller has written to it perhaps
@@ -361,13 +349,13 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         for one, settings in zip(states, self.settings_of_each, strict=True):
             if one is not None:
                 refuse_foreign(one, settings)
-        if not self._running and None in states:
+        if not all(begun or one is not None for begun, one in zip(self._begun.tolist(), states, strict=True)):
             raise ResetNeeded("set_state of some needs a call of reset first")
         self._fleet.restore(states)
         for i, one in enumerate(states):
             if one is not None:
                 self._pending[i] = one.over and self.autoreset_mode is not AutoresetMode.SAME_STEP
-        self._running = True
+        self._begun[:] = True
 
     @property
     def settings_of_each(self) -> list[Settings]:
@@ -381,7 +369,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
 
     def crawler_of(self, index: int) -> tuple[Groups, Scene]:
         """Crawler and world of a sub-environment's episode."""
-        if not self._running:
+        if not self._begun[index]:
             raise AttributeError("no episode has begun, and no crawler been settled; call reset first")
         return self._fleet.crawlers[index]
 
@@ -392,7 +380,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         seeds: list[int | None] = [None] * self.num_envs
         seeds[index] = seed
         options = {"reset_mask": np.arange(self.num_envs) == index, **known_options(options, CRAWLER_OPTIONS)}
-        observations, _ = self.reset(seed=seeds, options=options)
+        observations, _ = self._reset(seeds, options, some=True)
         return observations[index].copy(), self.begun(index)
 
     def begun(self, index: int) -> dict[str, Any]:
@@ -412,6 +400,28 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     def __getstate__(self) -> dict[str, Any]:
         # A window cannot be copied; the copy opens its own.
         return {**self.__dict__, "_tiles": None}
+
+    @property
+    def _running(self) -> bool:
+        return np.count_nonzero(self._begun) == self.num_envs
+
+    def _reset(
+        self, seed: int | Sequence[int | None] | None, options: dict[str, Any] | None, *, some: bool
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Reset all, or `some` where that is allowed."""
+        self._refuse_closed()
+        chosen = known_options(options, ("reset_mask", *CRAWLER_OPTIONS))
+        mask = self._reset_mask(chosen.pop("reset_mask", None))
+        choices = self._choices(**chosen) if chosen else None
+        seeds = self._seeds_of(seed)
+        if not some and not mask.all():
+            raise ResetNeeded("the first reset must be of all sub-environments, got a reset_mask of some")
+        self._fleet.begin(mask, seeds, choices)
+        self._begun |= mask
+        self._pending = self._pending & ~mask
+        if self.render_mode == "human" and self._running:
+            self.render()
+        return self._own(self._fleet.results.observations), self._told(mask)
 
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.copy() if self._copy else array

@@ -391,6 +391,30 @@ def test_a_step_needs_a_reset():
         make_vec(2).reset(options={"reset_mask": np.array([True, False])})
 
 
+@pytest.mark.parametrize("arguments", ARGUMENTS)
+def test_the_first_reset_may_be_of_one_after_the_other(arguments):
+    batch, singles = (make(3, **arguments) for make in (make_vec, one_by_one))
+    assert_same(*(each.call("reset", seed=3) for each in (batch, singles)))
+    for command in ([0, 1, 1], [1, 1, 0]):
+        assert_same(*(each.step(command) for each in (batch, singles)))
+
+
+def test_one_that_is_reset_alone_waits_for_the_others():
+    batch = make_vec(3, groups=[None, {"damping_ratio": 1e3}, "linear"])  # by a solver each
+    first = batch.sub_environments[1].reset(seed=1)
+    with pytest.raises(ResetNeeded, match="reset"):
+        batch.step([1, 1, 1])
+    with pytest.raises(AttributeError, match="reset"):
+        batch.crawler_of(0)
+    assert batch.sub_environments[1].episode_groups.damping_ratio == 1e3
+    assert_same(first, make_vec(3, groups={"damping_ratio": 1e3}).sub_environments[1].reset(seed=1))
+    for i, seed in ((0, 0), (2, 2)):
+        batch.sub_environments[i].reset(seed=seed)
+    twin = make_vec(3, groups=[None, {"damping_ratio": 1e3}, "linear"])
+    twin.reset(seed=0)
+    assert_same(*(each.step([1, 1, 1]) for each in (batch, twin)))
+
+
 def test_an_episode_that_is_over_is_not_stepped_on():
     batch, twin = (make_vec(3, autoreset_mode="Disabled", max_episode_steps=2) for _ in range(2))
     for each in (batch, twin):
