@@ -27,12 +27,12 @@ def where_kept() -> str:
     Raises
     ------
     OSError
-        If none can be written.
+        If they would be kept nowhere.
     """
-    folder = cast(Kernel, stretch_at).stats.cache_path
-    if folder is None:
-        raise OSError("no folder for compiled kernels can be written: set NUMBA_CACHE_DIR to one that can")
-    return folder
+    kernel = cast(Kernel, stretch_at)
+    if kernel.unkept:
+        raise OSError(f"kernels are compiled {kernel.unkept}")
+    return str(kernel.stats.cache_path)
 
 
 def uses() -> Iterator[tuple[str, Callable[[], object]]]:

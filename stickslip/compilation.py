@@ -91,6 +91,11 @@ class Kernel(CPUDispatcher):
         super().__init__(function, targetoptions={"nopython": True, "boundscheck": None, **options})
         self._cache = KernelCache(function, _announce)
 
+    @property
+    def unkept(self) -> str:
+        """Why a form would be kept nowhere on disk; empty if it would be kept."""
+        return self._cache.unkept
+
     def compile(self, sig: Any) -> Any:
         """Compile or load the form for a signature, unless it is there already."""
         with _interrupts_kept():
@@ -129,12 +134,10 @@ def _interrupts_kept() -> Iterator[None]:
 _announced = False
 
 
-def _announce(folder: str | None) -> None:
+def _announce(folder: str | None, unkept: str) -> None:
     """Say once a process that it compiles, how long that takes, and whether it will again."""
     global _announced
     if not _announced:
         _announced = True
-        kept = f"once; kept in {folder}; `stickslip compile` does all of it ahead"
-        if folder is None:
-            kept = "in every process, since no folder for it can be written: set NUMBA_CACHE_DIR to one that can"
+        kept = unkept or f"once; kept in {folder}; `stickslip compile` does all of it ahead"
         print(f"stickslip: compiling kernels, up to a minute, {kept}", file=sys.stderr, flush=True)

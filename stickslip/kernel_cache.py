@@ -41,23 +41,36 @@ class KernelCache(_Cache):
     ----------
     function : callable
     on_miss : callable
-        Told the `cache_path`, before a form is compiled that no folder has.
+        Told the `cache_path` and `unkept`, before a form is compiled that no folder has.
     """
 
-    def __init__(self, function: Callable[..., Any], on_miss: Callable[[str | None], Any]) -> None:
+    def __init__(self, function: Callable[..., Any], on_miss: Callable[[str | None, str], Any]) -> None:
         self._function = function
         self._on_miss = on_miss
 
     @cached_property
     def _places(self) -> list[Path]:
         # Code that was imported and has since been edited is not what its sources say.
-        return _folders(self._function) if sources_of(self._function.__module__) else []
+        return _folders(self._function) if self._sources else []
+
+    @property
+    def _sources(self) -> bytes:
+        return sources_of(self._function.__module__)
 
     @property
     def cache_path(self) -> str | None:
         """Folder in which a form would be kept now; None if none can be written."""
         folder = next(filter(_writable, self._places), None)
         return None if folder is None else str(folder)
+
+    @property
+    def unkept(self) -> str:
+        """Why a form would be kept nowhere now; empty if it would be kept."""
+        if not self._sources:
+            return "in this process, since their sources cannot be read or were edited after they were imported"
+        if self.cache_path is None:
+            return "in every process, since no folder for them can be written: set NUMBA_CACHE_DIR to one that can"
+        return ""
 
     def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
         """The form for a signature, or None if it has to be compiled."""
@@ -71,7 +84,7 @@ class KernelCache(_Cache):
             data = memoryview(kept)[_DIGEST:]
             if kept[:_DIGEST] == _digest(stamp, data):
                 return CompileResult._rebuild(target_context, *pickle.loads(data))
-        self._on_miss(self.cache_path)
+        self._on_miss(self.cache_path, self.unkept)
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -106,7 +119,7 @@ class KernelCache(_Cache):
         python = "".join(map(str, sys.version_info[:2])) + getattr(sys, "abiflags", "")
         name = f"{function.__qualname__.replace('<locals>.', '')}.py{python}.{hashlib.sha256(which).hexdigest()[:16]}"
         versions = f"{numba.__version__} {llvmlite.__version__}".encode()
-        stamp = _digest(versions, which, function.__code__.co_code, sources_of(function.__module__))
+        stamp = _digest(versions, which, function.__code__.co_code, self._sources)
         return f"{function.__module__.rpartition('.')[2]}.{name}.nbc", stamp
 
 
@@ -176,9 +189,13 @@ def _source(module: str) -> bytes | None:
     file = getattr(sys.modules[module], "__file__", None)
     try:
         path = Path(file or "")
-        return path.read_bytes() if path.stat().st_mtime < _BEGAN else None
+        source = path.read_bytes()
+        dates = path.stat()
     except OSError:
         return None
+    # An edit sets both, to a date that is past by now; an archive sets the first to any date.
+    edited = any(_BEGAN <= date <= time.time() for date in (dates.st_mtime, dates.st_ctime))
+    return None if edited else source
 
 
 def _digest(*parts: bytes | memoryview) -> bytes:

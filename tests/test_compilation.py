@@ -106,9 +106,41 @@ import crawl.outer, pathlib, time, os
 file = pathlib.Path({str(package / "inner.py")!r})
 file.write_text(file.read_text().replace("x + STEP", "x - STEP"))
 """
+    answer, said = ask(package, edit + ASK)
+    assert answer == "2.0"
+    assert kept_in(package) == []
+    assert "edited after they were imported" in said
+    assert "can be written" not in said
+    assert ask(package)[0] == "0.0"
+
+
+LATE = "import time; now = time.time; time.time = lambda: now() - 1e6\n"
+FUTURE = 4e9
+
+
+@pytest.mark.parametrize("clock", ["", LATE])
+def test_sources_dated_in_the_future_are_kept(package, clock):
+    if not clock:
+        for file in package.glob("*.py"):
+            os.utime(file, (FUTURE, FUTURE))
+    answer, said = ask(package, clock + ASK)
+    assert answer == "2.0"
+    assert "once; kept in" in said
+    assert ask(package, clock + ASK) == ("2.0,1", "")
+    (package / "constants.py").write_text("STEP = 2.5\n")
+    assert ask(package, clock + ASK)[0] == "3.5"
+
+
+@pytest.mark.parametrize("date", [1.0, FUTURE])
+def test_an_edit_that_is_dated_otherwise_is_not_kept(package, date):
+    edit = f"""
+import crawl.outer, pathlib, os
+file = pathlib.Path({str(package / "constants.py")!r})
+file.write_text("STEP = 7.0")
+os.utime(file, ({date}, {date}))
+"""
     assert ask(package, edit + ASK)[0] == "2.0"
     assert kept_in(package) == []
-    assert ask(package)[0] == "0.0"
 
 
 def cut_off(file, content, other):
