@@ -10,7 +10,6 @@ from typing import Any, cast
 
 from .crawler.plotting import save_figure
 from .envs.specification import plain
-from .extras import optional_import
 from .files import atomically
 from .reservoir import Estimate
 from .tasks import BodyReservoir, known_reservoirs, Reservoir, SeriesTask, STANDARD_TASKS, Task, TASKS
@@ -21,11 +20,9 @@ from .tasks.probe import probes
 from .tasks.records import Record, Records
 from .tasks.report import as_json, as_markdown, as_rows, differences, estimates
 from .tasks.sweep import parse_sweep, with_value
+from .tasks.threads import one_thread
 from .validation import known_names, whole_number
 from .workers import worker_processes
-
-with optional_import():
-    from threadpoolctl import threadpool_limits
 
 __all__ = ["Bench"]
 
@@ -55,8 +52,7 @@ class _Unit:
     def finish(self) -> Iterator[Record]:
         """Make every attempt that is left, and keep it."""
         records = Records(self.folder / _FINISHED, self.made_for, resume=True)
-        # Matrices are small: a thread of BLAS beside this one only takes its processor.
-        with threadpool_limits(1):
+        with one_thread():
             for attempt in attempts(
                 self.tasks,
                 {self.name: self.reservoir},

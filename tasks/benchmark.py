@@ -11,6 +11,7 @@ from ..validation import whole_number
 from .catalogue import TASKS
 from .reservoirs import Reservoir, RESERVOIRS
 from .task import Solution, Task
+from .threads import one_thread
 
 STANDARD_TASKS = ("memory capacity", "NARMA-2 NRMSE", "NARMA-10 NRMSE", "parity-2 capacity", "parity-3 capacity")
 """What is run unless said otherwise."""
@@ -80,16 +81,17 @@ def run_benchmark(
     TypeError, ValueError
         If a name is unknown or an argument is invalid.
     """
-    return [
-        Score(task, reservoir, seed, solution.score)
-        for task, reservoir, seed, solution in attempts(
-            chosen("tasks", tasks, TASKS),
-            chosen("reservoirs", reservoirs, RESERVOIRS),
-            seeds,
-            length=whole_number("length", length, 1),
-            washout=whole_number("washout", washout, 0),
-        )
-    ]
+    with one_thread():
+        return [
+            Score(task, reservoir, seed, solution.score)
+            for task, reservoir, seed, solution in attempts(
+                chosen("tasks", tasks, TASKS),
+                chosen("reservoirs", reservoirs, RESERVOIRS),
+                seeds,
+                length=whole_number("length", length, 1),
+                washout=whole_number("washout", washout, 0),
+            )
+        ]
 
 
 def attempts(

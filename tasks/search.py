@@ -32,6 +32,7 @@ from .catalogue import TASKS
 from .reservoirs import Reservoir
 from .space import Choice, Space
 from .task import mean_score, Task
+from .threads import one_thread
 
 __all__ = ["Evaluation", "Found", "held_out_scores", "search"]
 
@@ -230,13 +231,15 @@ def held_out_scores(
     leaked = sorted(set(chosen) & set(validation_seeds))
     if leaked:
         raise ValueError(f"seeds must hold none of the validation seeds, got {leaked}")
-    scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in chosen]
+    with one_thread():
+        scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in chosen]
     return scores, mean_score(task, scores, getattr(reservoir, "features", None))
 
 
 def _scores(task: Task, reservoir: Reservoir, seeds: Sequence[int], length: int, washout: int) -> list[float] | None:
     try:
-        scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in seeds]
+        with one_thread():
+            scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in seeds]
     except (SolverError, FloatingPointError, np.linalg.LinAlgError):
         return None
     return scores if all(map(math.isfinite, scores)) else None
