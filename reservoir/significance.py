@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 _CONSTANT = 0.1
 VALUES_FOR_A_TAIL = 1000
 """From fewer no tail is fitted: its largest tenth would be below a hundred."""
-# Further factors that are reckoned with.
+# Number of rare factors, beside those of a function itself, by which a state may be mistaken for the function.
 _FURTHER = 2
 # Values beyond a quantile from which it is taken from them.
 _ENOUGH = 10
@@ -81,7 +81,7 @@ def chance(basis: Array, rows: Array, significance: float, explained: Array | No
     # Exact for normal functions, and for any that do not depend on the states where there are many samples.
     exact = float(betaincinv(rank / 2, max(samples - 1 - rank, 1) / 2, 1 - significance))
     cutoff = np.minimum(1, np.maximum(1, share * samples / rank) * exact)
-    # Were all the variance in one direction.
+    # Upper bound: the cutoff if a single direction of the states held all of the variance.
     most = np.minimum(1, 2 * share * gammainccinv(0.5, significance))
     uneven = squares.std(axis=1) > _CONSTANT * squares.mean(axis=1)
     close = moving & uneven
@@ -92,7 +92,8 @@ def chance(basis: Array, rows: Array, significance: float, explained: Array | No
         covariance = (basis * squares[i][:, None]).T @ basis / total[i]
         weights = np.linalg.eigvalsh(covariance)
         second, third = float(weights @ weights), float(np.sum(weights**3))
-        # No sample is a witness of itself: without these terms it is exact for fair signs.
+        # Diagonal of the quadratic form. Random signs leave it as it is, so that the variance without it is exact for
+        # fair signs.
         alone = leverage * squares[i] / total[i]
         variance = 2 * max(second - float(alone @ alone), 0)
         shape = second**3 / (2 * third**2)
