@@ -2,7 +2,7 @@
 
 Run ``python benchmarks/stale.py``: it names each such page, what has changed, and the command that makes the page
 again, and exits with 1 if there is one. The suite runs it too. What a page was made with is in its JSON as probes,
-scores of small reservoirs on short draws (`stickslip.tasks.probe`).
+scores of small reservoirs on short draws (`stickslip.tasks.probe`); of other pages a few numbers are measured again.
 """
 
 import json
@@ -10,6 +10,8 @@ import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
+
+import remeasured
 
 from stickslip.fingerprint import differences
 from stickslip.tasks import known_reservoirs, MEASURES, TASKS
@@ -22,6 +24,12 @@ PAGES = {
     "search.json": ("docs/best.md", "python benchmarks/best.py"),
 }
 """Pages and commands by the file that keeps their numbers."""
+REMEASURED = {
+    "trust.json": ("docs/trust.md", "python benchmarks/trust.py --fresh", remeasured.of_trust),
+    "memory_reward.json": ("docs/reward.md", "python benchmarks/memory_reward.py", remeasured.of_reward),
+    "encodings.json": ("docs/encodings.md", "python benchmarks/encodings.py", remeasured.of_encodings),
+}
+"""Likewise, with what measures some of the numbers again."""
 
 
 def kept_probes(results: Any) -> Iterator[tuple[str, str, Any]]:
@@ -63,6 +71,11 @@ def stale(folder: Path = RESULTS) -> list[str]:
     sentences = []
     for file, (pages, command) in PAGES.items():
         changed = changes(json.loads((folder / file).read_text(encoding="utf-8")))
+        if changed:
+            sentences.append(f"{pages}: run `{command}` ({'; '.join(changed)})")
+    for file, (pages, command, again) in REMEASURED.items():
+        kept = json.loads((folder / file).read_text(encoding="utf-8"))
+        changed = [f"{name}: {was} then, {now} today" for name, was, now in again(kept) if was != now]
         if changed:
             sentences.append(f"{pages}: run `{command}` ({'; '.join(changed)})")
     return sentences
