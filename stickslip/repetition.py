@@ -23,7 +23,7 @@ class SaidOnce(TyperCommand):
         """
         if not ctx.resilient_parsing:
             _, _, said = self.make_parser(ctx).parse_args(list(args))
-            options = [each for each in said if each.param_type_name == "option" and each.expose_value]
+            options: list[Any] = [each for each in said if each.param_type_name == "option" and each.expose_value]
             for option in options:
                 if options.count(option) > 1 and not option.multiple and not option.count:
                     values = " and ".join(map(repr, self._values(option, ctx, args)))
