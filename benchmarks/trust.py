@@ -256,7 +256,7 @@ INFORMATION_CASES = {
 
 
 def coverage_over_runs(case: str, runs: int) -> Result:
-    """Coverage of the mean by the interval over 3, 5 and 10 runs, ours and Student's."""
+    """Intervals over 3, 5 and 10 runs that hold the mean, ours and Student's, and how many there are."""
     random = np.random.default_rng(1)
     if case.startswith("parity"):
         order = int(case[len("parity-")])
@@ -275,13 +275,18 @@ def coverage_over_runs(case: str, runs: int) -> Result:
         law, mean = {
             "normal": (lambda n: random.normal(5, 1, n), 5.0),
             "exponential": (lambda n: random.exponential(1, n), 1.0),
+            "lognormal": (lambda n: random.lognormal(0, 1, n), math.exp(0.5)),
+            "gamma of shape 0.3": (lambda n: random.gamma(0.3, 1, n), 0.3),
+            "1 in one run of five, else 0": (lambda n: (random.random(n) < 0.2).astype(float), 0.2),
         }[case]
         draw = law
     found: Result = {"runs": runs}
     for count in (3, 5, 10):
-        hits = [0, 0]
+        hits = [0, 0, 0]
         for _ in range(runs):
             values = draw(count)
+            # Equal runs have no interval.
+            hits[2] += int(np.ptp(values) > 0)
             for i, bounds in enumerate(((0.0, math.inf), (-math.inf, math.inf))):
                 each = mean_over_runs(values, bounds=bounds)
                 hits[i] += int(each.low <= mean <= each.high)
@@ -289,7 +294,16 @@ def coverage_over_runs(case: str, runs: int) -> Result:
     return found
 
 
-RUNS_CASES = ("normal", "exponential", "parity-1 of the network", "parity-2 of the network", "parity-3 of the network")
+RUNS_CASES = (
+    "normal",
+    "exponential",
+    "lognormal",
+    "gamma of shape 0.3",
+    "1 in one run of five, else 0",
+    "parity-1 of the network",
+    "parity-2 of the network",
+    "parity-3 of the network",
+)
 
 
 def cases(scale: float) -> dict[str, Callable[[], Result]]:
@@ -366,8 +380,8 @@ def tables(done: dict[str, Result]) -> dict[str, str]:
     for case in RUNS_CASES:
         one = done[f"over runs: {case}"]
         cells = [
-            f"{100 * a / one['runs']:.1f}% ({100 * b / one['runs']:.1f}%)"
-            for a, b in (one[n] for n in ("3", "5", "10"))
+            f"{100 * a / given:.1f}% ({100 * b / given:.1f}%)" + ("" if given == one["runs"] else f" of {given}")
+            for a, b, given in (one[n] for n in ("3", "5", "10"))
         ]
         lines.append(_row([case, *cells]))
     made["coverage over runs"] = "\n".join(lines)
