@@ -10,7 +10,6 @@ from typing import Annotated, Any, TYPE_CHECKING
 from . import __version__
 from .extras import optional_import
 from .interruption import INTERRUPTED, Interruptible
-from .repetition import SaidOnce
 from .terminal import say_what_can_be_said
 from .validation import known_names, number_within, whole_number
 
@@ -42,10 +41,6 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 _ENVIRONMENT = "StickSlipCrawler-v0"
-
-
-class _Command(SaidOnce, Interruptible):
-    """What every command is."""
 
 
 def run(arguments: list[str] | None = None) -> int:
@@ -92,7 +87,7 @@ def _options(
     """Options of the program itself."""
 
 
-@app.command("list", cls=_Command)
+@app.command("list")
 def list_names() -> None:
     """List the tasks, measures, reservoirs, presets, algorithms and more that are known by name."""
     from .listing import known_by_name
@@ -101,7 +96,7 @@ def list_names() -> None:
         typer.echo("\n  ".join([kind, *names]))
 
 
-@app.command(cls=_Command)
+@app.command(cls=Interruptible)
 def demo(
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("runs/demo"),
     seed: Annotated[int, typer.Option(help="Of everything random.")] = 0,
@@ -116,7 +111,7 @@ def demo(
     run_demo(output, whole_number("--seed", seed, 0, 2**32 - 5), steps)
 
 
-@app.command(cls=_Command)
+@app.command(cls=Interruptible)
 def train(
     context: typer.Context,
     output: Annotated[Path, typer.Option(help="Folder of the run.")],
@@ -188,7 +183,7 @@ def train(
     )
 
 
-@app.command(cls=_Command)
+@app.command(cls=Interruptible)
 def evaluate(
     run: Annotated[Path, typer.Argument(help="Folder of a training run.")],
     checkpoint: Annotated[Path | None, typer.Option(help="One of its checkpoints; the best policy by default.")] = None,
@@ -207,7 +202,7 @@ def evaluate(
         typer.echo(f"{name:<24} {value}")
 
 
-@app.command(cls=_Command)
+@app.command(cls=Interruptible)
 def speed(
     output: Annotated[Path, typer.Option(help="Folder of the table and the figure.")] = Path("runs/speed"),
     groups: Annotated[str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")] = None,
@@ -249,7 +244,7 @@ def speed(
         console.print(line, highlight=False)
 
 
-@app.command(cls=_Command)
+@app.command(cls=Interruptible)
 def bench(
     output: Annotated[Path, typer.Option(help="Folder of tables, figures and all that is finished.")] = Path(
         "runs/bench"
@@ -314,7 +309,7 @@ def bench(
     console.print(f"Tables, figures and scores: {output}", highlight=False)
 
 
-@app.command(cls=_Command)
+@app.command(cls=Interruptible)
 def search(
     task: Annotated[str, typer.Option(help="A task of `stickslip list`, such as 'NARMA-10 uniform NRMSE'.")],
     output: Annotated[Path, typer.Option(help="Folder of what is found; an unfinished search there goes on.")] = Path(
@@ -382,7 +377,7 @@ def search(
     typer.echo(f"{task}: {test.mean:.4f}{interval} over {test.runs} test seeds")
 
 
-@app.command(cls=_Command, name="compile")
+@app.command(cls=Interruptible, name="compile")
 def compile_kernels() -> None:
     """Compile every kernel ahead of its first use, as for images and clusters, where none is compiled yet."""
     from .ahead import uses, where_kept

@@ -6,15 +6,12 @@ import re
 import subprocess
 import sys
 from importlib.metadata import version
-from typing import Annotated
 
 import numpy as np
 import pytest
-import typer
 
-from stickslip.commands import app, run
+from stickslip.commands import run
 from stickslip.crawler import PRESETS, simulate
-from stickslip.repetition import SaidOnce
 from stickslip.tasks import known_reservoirs, MEASURES, RESERVOIRS, run_benchmark, SeriesTask, TASKS
 from stickslip.tasks.sweep import parse_sweep
 from stickslip.train.run import Configuration
@@ -66,44 +63,6 @@ def test_training_is_refused_in_one_line(capsys, tmp_path, arguments, message):
     line = refuse(capsys, "train", "--output", str(tmp_path / "run"), *arguments)
     assert line.startswith(message)
     assert not (tmp_path / "run").exists()
-
-
-def options_of_commands():
-    program = typer.main.get_command(app)
-    return [
-        pytest.param(name, option, id=f"{name} {option.opts[0]}")
-        for name, command in program.commands.items()
-        for option in command.params
-        if option.param_type_name == "option"
-    ]
-
-
-@pytest.mark.parametrize(("command", "option"), options_of_commands())
-def test_an_option_said_twice_is_refused_with_both_values(capsys, command, option):
-    name = option.opts[0]
-    arguments, values = [name, "1", f"{name}=2"], "'1' and '2'"
-    if option.is_flag:
-        arguments, values = [name, *(option.secondary_opts or [name])], f"True and {not option.secondary_opts}"
-    assert refuse(capsys, command, *arguments) == f"error: {name} must be said once, got {values}"
-    assert not option.multiple
-
-
-def test_the_last_of_an_option_is_not_taken_in_silence(capsys, tmp_path):
-    line = refuse(capsys, "train", "--output", str(tmp_path / "o"), "--algorithm", "ppo", "--algorithm", "a2c")
-    assert line == "error: --algorithm must be said once, got 'ppo' and 'a2c'"
-    assert not (tmp_path / "o").exists()
-
-
-def test_multiple_options_and_help_may_be_repeated(capsys):
-    program = typer.Typer()
-
-    @program.command(cls=SaidOnce)
-    def show(word: Annotated[list[str], typer.Option()], loud: Annotated[int, typer.Option("-l", count=True)] = 0):
-        typer.echo(f"{word} {loud}")
-
-    program(["--word", "a", "--word", "b", "-ll"], standalone_mode=False)
-    assert capsys.readouterr().out == "['a', 'b'] 2\n"
-    assert run(["train", "--help", "--help"]) == 0
 
 
 def test_the_version_is_told(capsys):
@@ -353,8 +312,7 @@ def test_a_search_finds_tests_and_goes_on(capsys, tmp_path):
     ],
 )
 def test_a_search_is_refused_in_one_line(capsys, tmp_path, arguments, message):
-    task = [] if "--task" in arguments else ["--task", "parity-2 capacity"]
-    command = ["search", *task, "--output", str(tmp_path / "search"), *arguments]
+    command = ["search", "--task", "parity-2 capacity", "--output", str(tmp_path / "search"), *arguments]
     assert refuse(capsys, *command).startswith(message)
 
 
