@@ -46,7 +46,7 @@ PROGRAMS = {
         "simulate(Groups(), valve[:9], 0.5)",
         "simulate(Groups(), valve, 0.5, samples_per_hold=4)",
     ),
-    "long simulation in closed form": ("simulate(linear, valve[:9], 0.5)", "simulate(linear, valve, 0.5)"),
+    "long simulation in closed form": ("simulate(linear, valve[:9], 0.5)", "while True: simulate(linear, valve, 0.5)"),
     "long hold": ("simulate(undamped, [1], 10)", "simulate(undamped, [1], 1e7, max_steps=10**9)"),
     "short simulations": (
         "simulate(Groups(), valve[:100], 0.5)",
