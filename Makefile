@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 # Two cores: BLAS and torch must not fight the processes beside them.
 export OMP_NUM_THREADS ?= 1
 # Text read or written in whatever encoding the locale has is an error in the tests.
-export PYTHONWARNDEFAULTENCODING ?= 1
+test slow: export PYTHONWARNDEFAULTENCODING ?= 1
 
 .PHONY: demo test lint types layers package slow bench clean
 
