@@ -9,9 +9,9 @@ import numpy as np
 
 from .compilation import Kernel
 from .crawler import Groups, Scene, simulate
-from .crawler.driving import stretch_at
 from .crawler.solvers import SOLVERS
 from .envs import StickSlipCrawlerEnv
+from .envs.batch import STEP_BATCH
 from .reservoir import EchoStateNetwork, RecursiveLeastSquares
 from .tasks import lorenz
 
@@ -22,14 +22,14 @@ _STIFF = {"damping_ratio": 200.0}
 
 
 def where_kept() -> str:
-    """Folder of the solver's kernels.
+    """Folder of the environment's kernels.
 
     Raises
     ------
     OSError
         If they would be kept nowhere.
     """
-    kernel = cast(Kernel, stretch_at)
+    kernel = cast(Kernel, next(iter(STEP_BATCH.values())))
     if kernel.unkept:
         raise OSError(f"kernels are compiled {kernel.unkept}")
     return str(kernel.stats.cache_path)
