@@ -13,6 +13,7 @@ from .crawler.solvers import SOLVERS
 from .envs import StickSlipCrawlerEnv
 from .envs.batch import STEP_BATCH
 from .reservoir import EchoStateNetwork, RecursiveLeastSquares
+from .reservoir.prequential import PrequentialMemory
 from .tasks import lorenz
 
 __all__ = ["uses", "where_kept"]
@@ -54,6 +55,7 @@ def uses() -> Iterator[tuple[str, Callable[[], object]]]:
         yield f"batch, {name}", partial(_batch, remembering)
         yield f"batch without memory, {name}", partial(_batch, {**remembering, "dither": 0.0, "memory_weight": 0.0})
     yield "recursive least squares", _readout
+    yield "memory reward", _memory_reward
     yield "echo-state network", partial(EchoStateNetwork(1).states, [0.0])
     yield "Lorenz's flow", partial(lorenz, 1)
 
@@ -77,6 +79,10 @@ def _batch(settings: dict[str, Any]) -> None:
     environment.reset(seed=0)
     environment.step(np.array([1, 0]))
     environment.close()
+
+
+def _memory_reward() -> object:
+    return PrequentialMemory([[0.0], [1.0]], 1, variance=0.25).score(np.array([1.0]), 0.5)
 
 
 def _readout() -> object:
