@@ -19,7 +19,8 @@ __all__ = ["keep", "opening_of", "outcome_of", "run_through", "steps_of_a_call",
 
 # Steps of one call: some tens of milliseconds.
 PAUSE_AFTER = 20_000
-_BODY, _OPENING, _SIZE = 4, 18, 28
+# Where in the array each begins: status, elapsed time, steps and events, then the fields of what is named, in order.
+_BODY, _LEDGER, _PACE, _OPENING, _STRETCH, _CALL, _SIZE = 4, 11, 15, 19, 26, 27, 28
 
 
 def run_through(kernel: Callable[..., None], body: Body, *arguments: Any) -> tuple[Outcome, int]:
@@ -44,7 +45,7 @@ def run_through(kernel: Callable[..., None], body: Body, *arguments: Any) -> tup
     """
     state = np.zeros(_SIZE)
     state[0] = PAUSED
-    state[26] = PAUSE_AFTER
+    state[_CALL] = PAUSE_AFTER
     state[_BODY : _BODY + len(body)] = state[_OPENING : _OPENING + len(body)] = body
     while state[0] == PAUSED:
         kernel(state, *arguments)
@@ -57,46 +58,58 @@ def keep(state: NDArray[np.float64], outcome: Outcome, stretch: int, opening: Bo
     """Write down the outcome so far, the stretch of the valve that is reached, and the body at its begin."""
     ledger, pace = outcome.ledger, outcome.pace
     state[0], state[1], state[2], state[3] = outcome.status, outcome.elapsed, outcome.steps, outcome.logged
-    _write_body(state[4:11], outcome.body)
-    state[11], state[12], state[13], state[27] = ledger.work, ledger.viscous, ledger.friction, ledger.flow
-    state[14], state[15], state[16], state[17] = pace.length, pace.span, pace.begin, pace.error
-    _write_body(state[18:25], opening)
-    state[25] = stretch
+    _write_body(state[_BODY:], outcome.body)
+    _write_four(state[_LEDGER:], ledger.work, ledger.viscous, ledger.friction, ledger.flow)
+    _write_four(state[_PACE:], pace.length, pace.span, pace.begin, pace.error)
+    _write_body(state[_OPENING:], opening)
+    state[_STRETCH] = stretch
 
 
 @compiled
 def _write_body(into: NDArray[np.float64], body: Body) -> None:
-    into[0], into[1], into[2], into[3] = body.deformation, body.velocity, body.pressure, body.foot
+    _write_four(into, body.deformation, body.velocity, body.pressure, body.foot)
     into[4], into[5], into[6] = body.foot_velocity, body.motion, body.slips
+
+
+@compiled
+def _write_four(into: NDArray[np.float64], first: float, second: float, third: float, fourth: float) -> None:
+    into[0], into[1], into[2], into[3] = first, second, third, fourth
 
 
 @formula
 def outcome_of(state: Any) -> Outcome:
     """The outcome of a run so far."""
+    ledger, pace = state[_LEDGER:_PACE], state[_PACE:_OPENING]
     return Outcome(
         int(state[0]),
         state[1],
         int(state[2]),
         int(state[3]),
-        Body(state[4], state[5], state[6], state[7], state[8], int(state[9]), int(state[10])),
-        Ledger(state[11], state[12], state[13], state[27]),
-        Pace(state[14], state[15], state[16], state[17], 0.0),
+        _body_of(state[_BODY:_LEDGER]),
+        Ledger(ledger[0], ledger[1], ledger[2], ledger[3]),
+        # The doubt is of the step that was taken, and the next one has its own.
+        Pace(pace[0], pace[1], pace[2], pace[3], 0.0),
     )
 
 
 @formula
 def opening_of(state: Any) -> Body:
     """The body at the begin of the stretch that is reached."""
-    return Body(state[18], state[19], state[20], state[21], state[22], int(state[23]), int(state[24]))
+    return _body_of(state[_OPENING:_STRETCH])
+
+
+@formula
+def _body_of(numbers: Any) -> Body:
+    return Body(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], int(numbers[5]), int(numbers[6]))
 
 
 @formula
 def stretch_of(state: Any) -> int:
     """The stretch that is reached: two a hold, one with the valve open and one with it shut."""
-    return int(state[25])
+    return int(state[_STRETCH])
 
 
 @formula
 def steps_of_a_call(state: Any) -> int:
     """Steps until the next pause."""
-    return int(state[26])
+    return int(state[_CALL])
