@@ -23,7 +23,7 @@ from worth.figure import draw
 from worth.page import tables
 from worth.settings import ALL
 
-from stickslip.files import atomically
+from stickslip.common.files import atomically
 
 BENCHMARKS = Path(__file__).parent
 RESULTS = BENCHMARKS / "results" / "accuracy_worth.json"

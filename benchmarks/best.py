@@ -24,22 +24,12 @@ from measuring import keep, machine, refresh
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from stickslip.crawler.plotting import house_style, MARKERS, OKABE_ITO, save_figure
-from stickslip.extras import optional_import
+from stickslip.common.extras import optional_import
+from stickslip.crawler.trajectory_figure import house_style, MARKERS, OKABE_ITO, save_figure
 from stickslip.reservoir import Estimate, information_processing_capacity, mean_over_runs, nrmse, predict_held_out
-from stickslip.tasks import (
-    body_space,
-    BodyReservoir,
-    DelayLine,
-    echo_state_space,
-    EchoState,
-    held_out_scores,
-    MEASURES,
-    Reservoir,
-    search,
-    TASKS,
-)
-from stickslip.tasks.probe import probes
+from stickslip.studies.benchmark.probe import probes
+from stickslip.studies.search import body_space, echo_state_space, held_out_scores, search
+from stickslip.tasks import BodyReservoir, DelayLine, EchoState, MEASURES, Reservoir, TASKS
 from stickslip.tasks.task import mean_score
 
 with optional_import():

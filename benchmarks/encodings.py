@@ -16,7 +16,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 from measuring import keep, machine, quartiles, refresh, take_turns
 
-from stickslip.tasks import BodyReservoir, CAPACITY, encode, Problem, random_uniform, run_benchmark, SeriesTask, TASKS
+from stickslip.studies.benchmark import run_benchmark
+from stickslip.tasks import BodyReservoir, CAPACITY, encode, Problem, random_uniform, SeriesTask, TASKS
 
 RESULTS = Path(__file__).parent / "results" / "encodings.json"
 PAGE = Path(__file__).parents[1] / "docs" / "encodings.md"

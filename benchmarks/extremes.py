@@ -1,7 +1,7 @@
 """The solver at the edges of the ranges: slips, error and cost of every row, as a table for the docs.
 
 Run ``python benchmarks/extremes.py`` (``--rounds N`` for more turns). The rows and what is right for them are those
-of `tests/crawler/extremes.json`, which holds the verdicts of a 60-digit implicit judge. All rows take turns, round
+of `tests/judges/extremes.json`, which holds the verdicts of a 60-digit implicit judge. All rows take turns, round
 after round in one process, so that the machine's drift falls on all alike. Where a call is short, a batch of equal
 crawlers makes it longer, and what a batch of as many crawlers with nothing to do takes is subtracted. Times are the
 processor's, so that other processes on the machine do not count. Medians over the rounds are printed and, with their
@@ -28,7 +28,7 @@ from measuring import keep, machine, refresh
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State, Trajectory
 
-REFERENCES = Path(__file__).parents[1] / "tests" / "crawler" / "extremes.json"
+REFERENCES = Path(__file__).parents[1] / "tests" / "judges" / "extremes.json"
 RESULTS = Path(__file__).parent / "results" / "extremes.json"
 PAGE = Path(__file__).parents[1] / "docs" / "extremes.md"
 TOLERANCE = 1e-6

@@ -18,10 +18,11 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from measuring import keep, machine, refresh
 
-from stickslip.bench import Bench
-from stickslip.tasks import BodyReservoir, DelayLine, EchoState, held_out_scores, Reservoir, TASKS
-from stickslip.tasks.probe import probes
-from stickslip.tasks.report import as_markdown, cell
+from stickslip.studies.benchmark.bench import Bench
+from stickslip.studies.benchmark.probe import probes
+from stickslip.studies.benchmark.report import as_markdown, cell
+from stickslip.studies.search import held_out_scores
+from stickslip.tasks import BodyReservoir, DelayLine, EchoState, Reservoir, TASKS
 from stickslip.tasks.task import mean_score
 
 SEEDS = 15

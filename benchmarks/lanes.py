@@ -15,16 +15,16 @@ from measuring import machine, quartiles, take_turns
 from numba import njit
 from numpy.typing import NDArray
 
-from stickslip.compilation import compiled
+from stickslip.compiling.compilation import compiled
+from stickslip.compiling.tracing import unrolled_in_lanes
+from stickslip.compiling.vectors import LANES
 from stickslip.crawler import Groups, Scene
-from stickslip.crawler.body import Body, physics, STUCK
-from stickslip.crawler.control import Taylor12
-from stickslip.crawler.driving import drive
-from stickslip.crawler.lane_steps import sample_lanes, step_lanes
-from stickslip.crawler.lanes import advance_lanes, lane_workspace, one_by_one
+from stickslip.crawler.batch.advance import advance_lanes, lane_workspace, one_by_one
+from stickslip.crawler.batch.step import sample_lanes, step_lanes
+from stickslip.crawler.drive import drive
+from stickslip.crawler.model.state import Body, physics, STUCK
 from stickslip.crawler.solvers import SOLVERS
-from stickslip.lanes import LANES
-from stickslip.unrolling import unrolled_in_lanes
+from stickslip.crawler.steps.options import Taylor12
 
 HOLD, TOLERANCE, SAMPLES = 0.5, 1e-6, 4
 SIZES = (1, 8, 64, 512, 4096, 65_536)

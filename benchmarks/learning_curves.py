@@ -21,9 +21,9 @@ import gymnasium as gym
 import numpy as np
 from measuring import keep, machine, refresh
 
-from stickslip.crawler.plotting import house_style, OKABE_ITO
-from stickslip.extras import optional_import
-from stickslip.files import atomically
+from stickslip.common.extras import optional_import
+from stickslip.common.files import atomically
+from stickslip.crawler.trajectory_figure import house_style, OKABE_ITO
 from stickslip.train import StickSlipVecEnv
 from stickslip.train.evaluations import read_evaluations
 from stickslip.train.hyperparameters import read_hyperparameters

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.files import atomically
-from stickslip.terminal import say_what_can_be_said
+from stickslip.common.files import atomically
+from stickslip.common.terminal import say_what_can_be_said
 
 __all__ = ["keep", "machine", "quartiles", "refresh", "refreshed", "take_turns"]
 

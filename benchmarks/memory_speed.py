@@ -23,7 +23,7 @@ from measuring import keep, machine, quartiles, take_turns
 from numpy.typing import NDArray
 from sklearn.linear_model import Ridge
 
-from stickslip.extras import optional_import
+from stickslip.common.extras import optional_import
 from stickslip.reservoir import EchoStateNetwork, memory_capacity, squared_correlation
 
 with optional_import():

@@ -32,7 +32,7 @@ from peer_solvers.one_hold import measure_calls
 from peer_solvers.own import KERNEL, SIMULATE
 from peer_solvers.problem import Contender, FOOT, HOLD, SLIPS, WORD
 
-from stickslip.extras import MissingExtra
+from stickslip.common.extras import MissingExtra
 
 SOLVERS = {
     "own": "stickslip",

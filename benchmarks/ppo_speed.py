@@ -24,7 +24,7 @@ import gymnasium as gym
 import numpy as np
 from measuring import keep, machine, quartiles, refresh, take_turns
 
-from stickslip.extras import optional_import
+from stickslip.common.extras import optional_import
 from stickslip.train import library_threads, StickSlipVecEnv
 
 with optional_import():

@@ -19,7 +19,8 @@ from measuring import keep, machine, refresh
 from numpy.typing import NDArray
 
 from stickslip.reservoir import mean_over_runs, nrmse, predict_held_out
-from stickslip.tasks import ACCURACY, NRMSE, RESERVOIRS, run_benchmark, Score, Solution, TASKS
+from stickslip.studies.benchmark import run_benchmark, Score
+from stickslip.tasks import ACCURACY, NRMSE, RESERVOIRS, Solution, TASKS
 
 RESULTS = Path(__file__).parent / "results" / "readout_penalty.json"
 PAGE = Path(__file__).parents[1] / "docs" / "reservoir.md"

@@ -15,8 +15,9 @@ import memory_reward
 import numpy as np
 import trust
 
-from stickslip.fingerprint import rounded
-from stickslip.tasks import BodyReservoir, run_benchmark
+from stickslip.common.fingerprint import rounded
+from stickslip.studies.benchmark import run_benchmark
+from stickslip.tasks import BodyReservoir
 
 Found = Iterator[tuple[str, Any, Any]]
 """Names, with what is kept and what is measured today."""

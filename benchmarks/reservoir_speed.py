@@ -25,7 +25,7 @@ import numpy as np
 from measuring import keep, machine, quartiles, refresh, take_turns
 from numpy.typing import NDArray
 
-from stickslip.extras import optional_import
+from stickslip.common.extras import optional_import
 from stickslip.reservoir import memory_capacity, nrmse, squared_correlation
 from stickslip.tasks import BodyReservoir, NRMSE, TASKS
 

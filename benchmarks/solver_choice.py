@@ -18,11 +18,11 @@ from measuring import keep, machine, refresh
 from numpy.typing import NDArray
 
 from stickslip.crawler import Groups, Scene
-from stickslip.crawler.body import Body, physics
-from stickslip.crawler.control import FINISHED
 from stickslip.crawler.cost import predicted_steps
-from stickslip.crawler.driving import drive
+from stickslip.crawler.drive import drive
+from stickslip.crawler.model.state import Body, physics
 from stickslip.crawler.solvers import AUTO, choose, SOLVERS, solvers_for
+from stickslip.crawler.steps.options import FINISHED
 
 RESULTS = Path(__file__).parent / "results" / "solver_choice.json"
 PAGE = Path(__file__).parents[1] / "docs" / "solvers.md"

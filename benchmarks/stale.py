@@ -2,7 +2,8 @@
 
 Run ``python benchmarks/stale.py``: it names each such page, what has changed, and the command that makes the page
 again, and exits with 1 if there is one. The suite runs it too. What a page was made with is in its JSON as probes,
-scores of small reservoirs on short draws (`stickslip.tasks.probe`); of other pages a few numbers are measured again.
+scores of small reservoirs on short draws (`stickslip.studies.benchmark.probe`); of other pages a few numbers are
+measured again.
 """
 
 import json
@@ -13,9 +14,9 @@ from typing import Any
 
 import remeasured
 
-from stickslip.fingerprint import differences
+from stickslip.common.fingerprint import differences
+from stickslip.studies.benchmark.probe import reservoir_probe, task_probe
 from stickslip.tasks import known_reservoirs, MEASURES, TASKS
-from stickslip.tasks.probe import reservoir_probe, task_probe
 
 ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "benchmarks" / "results"

@@ -1,4 +1,4 @@
-"""Cost and error of Radau beside Taylor, ordinary and stiff: where `stickslip.crawler.radau.stages_for` comes from.
+"""Cost and error of Radau beside Taylor, ordinary and stiff: whence `stickslip.crawler.steps.radau.stages_for` comes.
 
 Run ``python benchmarks/stiff_solver.py``. Times are of the processor, the least of some rounds, in microseconds per
 unit of time; the error is that of the foot against Radau at tolerance 1e-14.
@@ -9,12 +9,12 @@ import time
 import numpy as np
 
 from stickslip.crawler import Groups, Scene
-from stickslip.crawler.body import Body, physics
-from stickslip.crawler.control import Control, FINISHED, Outcome
-from stickslip.crawler.driving import drive
-from stickslip.crawler.radau_table import STAGES
+from stickslip.crawler.drive import drive
+from stickslip.crawler.model.state import Body, physics
 from stickslip.crawler.solvers import Solver, SOLVERS
-from stickslip.crawler.workspace import ROWS, WIDTH
+from stickslip.crawler.steps.options import Control, FINISHED, Outcome
+from stickslip.crawler.steps.radau_table import STAGES
+from stickslip.crawler.steps.workspace import ROWS, WIDTH
 
 WORD = np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0] * 5)
 CRAWLERS = {

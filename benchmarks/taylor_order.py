@@ -1,4 +1,4 @@
-"""Cost and error of the Taylor solver by order and tolerance: where `stickslip.crawler.taylor.order_for` comes from.
+"""Cost and error of the Taylor solver by order and tolerance: whence `stickslip.crawler.steps.taylor.order_for` comes.
 
 Run ``python benchmarks/taylor_order.py``. Orders are timed in turn, round after round, so that the machine's drift
 falls on all alike; the median is printed, as a ratio to the cheapest order of the row.
@@ -9,12 +9,12 @@ import time
 import numpy as np
 
 from stickslip.crawler import Groups, Scene
-from stickslip.crawler.body import Body, physics
-from stickslip.crawler.control import TAYLOR
-from stickslip.crawler.driving import drive
+from stickslip.crawler.drive import drive
+from stickslip.crawler.model.state import Body, physics
 from stickslip.crawler.solvers import SOLVERS
-from stickslip.crawler.taylor import order_for, ORDERS
-from stickslip.crawler.workspace import ROWS, WIDTH
+from stickslip.crawler.steps.options import TAYLOR
+from stickslip.crawler.steps.taylor import order_for, ORDERS
+from stickslip.crawler.steps.workspace import ROWS, WIDTH
 
 WORD = np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0] * 25)
 FOOT = 32.03368882790800707974502  # 40-digit arithmetic

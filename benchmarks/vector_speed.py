@@ -24,7 +24,7 @@ import numpy as np
 from lanes import floor
 from measuring import keep, machine, quartiles, refresh, take_turns
 
-from stickslip.extras import MissingExtra, optional_import
+from stickslip.common.extras import MissingExtra, optional_import
 
 RESULTS = Path(__file__).parent / "results" / "vector_speed.json"
 PAGE = Path(__file__).parents[1] / "docs" / "vector.md"

@@ -1,11 +1,11 @@
 """Physics of the crawler: parameters, equations, solver, events and energy."""
 
-from .actuator import Actuator, Scales
-from .balance import EnergyWarning
-from .body import ChainState, REST, State
-from .groups import Groups, GroupsLike, PRESETS
+from .model.actuator import Actuator, Scales
+from .model.groups import Groups, GroupsLike, PRESETS
+from .model.scene import Scene
+from .model.state import ChainState, REST, State
+from .motion.balance import EnergyWarning
 from .refusals import SolverError
-from .scene import Scene
 from .simulation import simulate
 from .trajectory import EVENT, Trajectory
 

@@ -3,15 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..validation import finite_array
-from .balance import Store, store_between
-from .body import Body, ChainState
-from .chain import chain_of, chain_order, series_for
-from .chain_advance import drive_chain
-from .control import Control, LOG_FULL, Outcome, Taylor20
-from .groups import Groups
-from .scene import Scene
-from .tube import is_chain, node_masses
+from ..common.validation import finite_array
+from .model.groups import Groups
+from .model.scene import Scene
+from .model.state import Body, ChainState
+from .model.tube import is_chain, node_masses
+from .motion.balance import Store, store_between
+from .motion.chain_loop import drive_chain
+from .steps.chain_series import chain_of, chain_order, series_for
+from .steps.options import Control, LOG_FULL, Outcome, Taylor20
 
 __all__ = ["run_chain", "stretches_of"]
 

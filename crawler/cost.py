@@ -16,14 +16,14 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
-from .advance import FARTHEST
-from .body import FORWARD, Physics, physics, STUCK
-from .equations import inverse_mass
-from .groups import Groups
-from .radau import stages_for
-from .scene import Scene
-from .taylor import order_for
-from .tube import as_crawler
+from .model.equations import inverse_mass
+from .model.groups import Groups
+from .model.scene import Scene
+from .model.state import FORWARD, Physics, physics, STUCK
+from .model.tube import as_crawler
+from .motion.loop import FARTHEST
+from .steps.radau import stages_for
+from .steps.taylor import order_for
 
 __all__ = ["FastestRate", "fastest_rate", "predicted_cost", "predicted_steps"]
 

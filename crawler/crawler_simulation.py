@@ -5,15 +5,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .balance import Store, store_between
-from .body import Body, physics
-from .control import Control, LOG_FULL, Outcome
-from .driving import drive
-from .groups import Groups
-from .scene import Scene
+from .drive import drive
+from .model.groups import Groups
+from .model.scene import Scene
+from .model.state import Body, physics
+from .model.tube import as_crawler
+from .motion.balance import Store, store_between
+from .motion.tangent import condition_of, start_changes
 from .solvers import Solver
-from .tangent import condition_of, start_changes
-from .tube import as_crawler
+from .steps.options import Control, LOG_FULL, Outcome
 
 __all__ = ["run_crawler"]
 

@@ -2,12 +2,12 @@
 
 import math
 
-from .advance import FARTHEST
-from .control import DIVERGED
 from .cost import fastest_rate, FastestRate
-from .groups import Groups
-from .scene import Scene
-from .tube import is_chain
+from .model.groups import Groups
+from .model.scene import Scene
+from .model.tube import is_chain
+from .motion.loop import FARTHEST
+from .steps.options import DIVERGED
 
 __all__ = ["SolverError", "solver_error"]
 

@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import number_within, whole_number
-from .balance import balance_of, check_balance
-from .body import BACKWARD, Body, ChainState, FORWARD, Ledger, REST, State, STUCK
+from ..common.validation import number_within, whole_number
 from .chain_simulation import run_chain, stretches_of
-from .control import FINISHED, MAX_STEPS, STEPS_A_HOLD
 from .crawler_simulation import run_crawler
-from .groups import Groups, groups_of_each, GroupsLike
+from .model.groups import Groups, groups_of_each, GroupsLike
+from .model.scene import Scene
+from .model.state import BACKWARD, Body, ChainState, FORWARD, Ledger, REST, State, STUCK
+from .model.tube import is_chain
+from .motion.balance import balance_of, check_balance
 from .refusals import solver_error, SolverError
-from .scene import Scene
 from .solvers import AUTO, choose, Solver, SOLVERS
+from .steps.options import FINISHED, MAX_STEPS, STEPS_A_HOLD
 from .trajectory import EVENT, Trajectory
-from .tube import is_chain
 
 __all__ = ["HOLDS", "TOLERANCES", "simulate"]
 

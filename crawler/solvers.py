@@ -6,17 +6,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .body import Physics
-from .closed_form import tabulate
-from .control import ClosedForm, Control, MAX_STEPS, Method, Radau, STEPS_A_HOLD, TAYLOR
+from .closed_form.loop import is_linear, require_linear
 from .cost import predicted_cost, predicted_steps
-from .groups import Groups
-from .linear import is_linear, require_linear
-from .radau import stages_for
-from .scene import Scene
-from .taylor import order_for
-from .tube import is_chain
-from .workspace import ROWS, WIDTH
+from .model.groups import Groups
+from .model.scene import Scene
+from .model.state import Physics
+from .model.tube import is_chain
+from .steps.options import ClosedForm, Control, MAX_STEPS, Method, Radau, STEPS_A_HOLD, TAYLOR
+from .steps.propagator import tabulate
+from .steps.radau import stages_for
+from .steps.taylor import order_for
+from .steps.workspace import ROWS, WIDTH
 
 __all__ = ["AUTO", "SOLVERS", "Solver", "choose", "solvers_for"]
 

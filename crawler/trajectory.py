@@ -9,9 +9,9 @@ from typing import Any, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .actuator import Actuator
-from .body import ChainState, State
-from .groups import Groups
+from .model.actuator import Actuator
+from .model.groups import Groups
+from .model.state import ChainState, State
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -222,7 +222,7 @@ class Trajectory:
         ValueError
             If the trajectory is a batch.
         """
-        from .plotting import plot_trajectory  # matplotlib is optional, and slow to import
+        from .trajectory_figure import plot_trajectory  # matplotlib is optional, and slow to import
 
         return plot_trajectory(self)
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import gymnasium as gym
 import numpy as np
 
+from stickslip.common.extras import optional_import
 from stickslip.envs import tile
-from stickslip.extras import optional_import
 
 with optional_import():
     from matplotlib import image

@@ -8,10 +8,10 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from ..common.validation import known_names, number_within, whole_number
 from ..crawler import Groups, GroupsLike, Scene
-from ..crawler.groups import RANGES
+from ..crawler.model.groups import RANGES
 from ..crawler.simulation import TOLERANCES
-from ..validation import known_names, number_within, whole_number
 
 __all__ = ["COUNTS", "CRAWLER_OPTIONS", "NUMBERS", "Choice", "Settings", "begun", "known_options"]
 

@@ -8,8 +8,8 @@ from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
 from ..crawler import Groups, Scene
-from .crawler import StickSlipCrawlerEnv
 from .settings import Settings
+from .single import StickSlipCrawlerEnv
 from .state import CrawlerState
 
 if TYPE_CHECKING:

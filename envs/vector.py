@@ -13,16 +13,16 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.validation import truth_value, whole_number
 from ..crawler import Groups, GroupsLike, Scene
-from ..crawler.groups import groups_of_each
-from ..validation import truth_value, whole_number
-from .crawler import StickSlipCrawlerEnv
-from .fleet import Fleet
+from ..crawler.model.groups import groups_of_each
+from .batch_engine import Fleet
+from .rendering.tiling import Tiles
 from .settings import begun, Choice, COUNTS, CRAWLER_OPTIONS, known_options, NUMBERS, Settings
+from .single import StickSlipCrawlerEnv
 from .specification import Specified
 from .state import CrawlerState, refuse_foreign
 from .sub_environment import SubEnvironment
-from .tiling import Tiles
 
 __all__ = ["StickSlipCrawlerVectorEnv"]
 

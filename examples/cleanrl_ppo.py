@@ -13,8 +13,6 @@ import torch
 from torch import nn
 from torch.distributions import Categorical
 
-import stickslip  # noqa: F401, registers the environment
-
 
 @dataclass
 class Args:

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array, number_within
+from ..common.validation import finite_array, number_within
 
 Array = NDArray[np.float64]
 

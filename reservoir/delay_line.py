@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array, whole_number
+from ..common.validation import finite_array, whole_number
 
 
 def delay_line(signal: ArrayLike, taps: int) -> NDArray[np.float64]:

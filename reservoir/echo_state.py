@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..compilation import compiled
-from ..validation import finite_array, known_names, number_within, whole_number
+from ..common.validation import finite_array, known_names, number_within, whole_number
+from ..compiling.compilation import compiled
 
 __all__ = ["TOPOLOGIES", "EchoStateNetwork"]
 

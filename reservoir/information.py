@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array, known_names, number_within, whole_number
+from ..common.validation import finite_array, known_names, number_within, whole_number
 from .bootstrap import usual_block
 from .decomposition import capacity_in_turn, intervals
 from .orthonormal import of_usual_size, orthonormal_basis

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array, known_names, number_within, whole_number
+from ..common.validation import finite_array, known_names, number_within, whole_number
 from .bootstrap import basic_interval, resampled_correlations, squared_interval, usual_block
 from .delayed import delayed_products, delayed_rows, delayed_squared_correlations, Delays
 from .metrics import squared_correlation_of_rows

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array
+from ..common.validation import finite_array
 
 
 def nrmse(prediction: ArrayLike, target: ArrayLike) -> float:

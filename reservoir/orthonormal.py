@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array
+from ..common.validation import finite_array
 from .sensor_noise import noise_over_signal
 
 Array = NDArray[np.float64]

@@ -27,8 +27,8 @@ References
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..compilation import compiled
-from ..validation import finite_array, number_within, whole_number
+from ..common.validation import finite_array, number_within, whole_number
+from ..compiling.compilation import compiled
 from .recursive_least_squares import predict_then_learn
 
 __all__ = ["RIDGE", "PrequentialMemory"]

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compilation import compiled
-from ..lanes import aligned_zeros, clipped, LANES, load, spread, store
+from ..compiling.compilation import compiled
+from ..compiling.vectors import aligned_zeros, clipped, LANES, load, spread, store
 from .prequential import PrequentialMemory, RIDGE
 
 __all__ = ["Readouts", "blank_readouts", "forget", "packed", "readouts_of", "score_lanes", "unpack"]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ..validation import finite_array, number_within
+from ..common.validation import finite_array, number_within
 from .orthonormal import centre, of_usual_size
 from .recursive_least_squares import RecursiveLeastSquares
 from .ridge import affine_weights, penalty_on_weights, singular_vectors

@@ -16,8 +16,8 @@ A. P. Dawid, "Statistical theory: the prequential approach", J. R. Stat. Soc. A 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..compilation import compiled
-from ..validation import finite_array, number_within, whole_number
+from ..common.validation import finite_array, number_within, whole_number
+from ..compiling.compilation import compiled
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array, number_within
+from ..common.validation import finite_array, number_within
 from .orthonormal import Array, centre, of_usual_size, repaired, whitening
 
 if TYPE_CHECKING:

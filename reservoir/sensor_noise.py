@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..validation import number_within
+from ..common.validation import number_within
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,5 @@
-"""Input series and their encodings, targets, reservoirs, and the benchmark that runs the tasks on them."""
+"""Input series and their encodings, targets, and reservoirs by name."""
 
-from .benchmark import run_benchmark, Score, STANDARD_RESERVOIRS, STANDARD_TASKS, summarize, Summary, table
 from .catalogue import TASKS
 from .chaos import lorenz, mackey_glass
 from .closed_loop import ClosedLoopTask, stepper
@@ -20,8 +19,6 @@ from .reservoirs import (
     Reservoir,
     RESERVOIRS,
 )
-from .search import Evaluation, Found, held_out_scores, search
-from .space import body_space, Choice, echo_state_space, Range, Space
 from .streams import dithered, innovation, random_bits, random_uniform
 from .task import ACCURACY, CAPACITY, Metric, NRMSE, Problem, SeriesTask, Solution, Task
 from .waveforms import waveforms
@@ -33,34 +30,22 @@ __all__ = [
     "MEASURES",
     "NRMSE",
     "RESERVOIRS",
-    "STANDARD_RESERVOIRS",
-    "STANDARD_TASKS",
     "TASKS",
     "BodyReservoir",
-    "Choice",
     "ClosedLoopTask",
     "DelayLine",
     "EchoState",
-    "Evaluation",
-    "Found",
     "FrictionTask",
     "Metric",
     "Problem",
-    "Range",
     "Reservoir",
-    "Score",
     "SeriesTask",
     "Solution",
-    "Space",
-    "Summary",
     "Task",
-    "body_space",
     "body_states",
     "crawler_states",
     "dithered",
-    "echo_state_space",
     "encode",
-    "held_out_scores",
     "innovation",
     "known_reservoirs",
     "lorenz",
@@ -72,12 +57,8 @@ __all__ = [
     "random_bits",
     "random_narma",
     "random_uniform",
-    "run_benchmark",
-    "search",
     "sigma_delta",
     "stepper",
-    "summarize",
-    "table",
     "threshold",
     "waveforms",
 ]

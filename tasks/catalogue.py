@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..validation import whole_number
+from ..common.validation import whole_number
 from .chaos import lorenz, mackey_glass
 from .closed_loop import ClosedLoopTask
 from .friction import FrictionTask

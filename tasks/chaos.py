@@ -10,8 +10,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
-from ..compilation import allocating
-from ..validation import finite_array, number_within, whole_number
+from ..common.validation import finite_array, number_within, whole_number
+from ..compiling.compilation import allocating
 
 __all__ = ["lorenz", "mackey_glass"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..validation import number_within, whole_number
+from ..common.validation import number_within, whole_number
 from .reservoirs import Reservoir, Step
 from .task import Metric, Solution, tuned
 

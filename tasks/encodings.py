@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array, number_within, whole_number
+from ..common.validation import finite_array, number_within, whole_number
 
 __all__ = ["ENCODINGS", "Encoding", "encode", "pulse_width", "sigma_delta", "threshold"]
 

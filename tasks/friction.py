@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..validation import whole_number
+from ..common.validation import whole_number
 from .reservoirs import Reservoir
 from .task import Metric, NRMSE, Solution
 

@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.validation import known_names, whole_number
 from ..reservoir import echo_state_property, information_processing_capacity, KernelQuality, ranks
-from ..validation import known_names, whole_number
 from .reservoirs import Reservoir
 from .streams import random_bits
 from .task import Metric, Solution, Task

@@ -29,7 +29,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import finite_array, number_within, whole_number
+from ..common.validation import finite_array, number_within, whole_number
 from .streams import random_bits, random_uniform
 
 __all__ = ["BITS_HEIGHT", "ORDERS", "UNIFORM_HEIGHT", "narma", "random_narma"]

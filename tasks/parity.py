@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.validation import whole_number
 from ..reservoir.delay_line import delay_line
-from ..validation import whole_number
 from .streams import bits as as_bits
 
 

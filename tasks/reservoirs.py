@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.validation import finite_array, known_names, number_within, whole_number
 from ..crawler import ChainState, Groups, GroupsLike, Scene, simulate, State, Trajectory
+from ..crawler.model.tube import is_chain
 from ..crawler.simulation import HOLDS, TOLERANCES
-from ..crawler.tube import is_chain
 from ..reservoir import delay_line, EchoStateNetwork
-from ..validation import finite_array, known_names, number_within, whole_number
 from .encodings import encode, known_encoding, unit_series
 
 __all__ = [

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..validation import number_within, whole_number
+from ..common.validation import number_within, whole_number
 
 
 def random_bits(length: int, seed: int | Sequence[int]) -> NDArray[np.int64]:

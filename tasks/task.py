@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.validation import whole_number
 from ..reservoir import Estimate, mean_over_runs, memory_capacity, MemoryCapacity, nrmse
 from ..reservoir.ridge import samples_needed, training_samples
-from ..validation import whole_number
 from .reservoirs import Reservoir
 
 __all__ = [

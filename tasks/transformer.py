@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ..validation import finite_array, number_within, whole_number
+from ..common.validation import finite_array, number_within, whole_number
 from .reservoirs import BodyReservoir, READINGS
 
 __all__ = ["CrawlerReservoir"]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..validation import whole_number
+from ..common.validation import whole_number
 
 __all__ = ["waveforms"]
 

@@ -10,9 +10,9 @@ import numpy as np
 from gymnasium.wrappers import RecordVideo
 from numpy.typing import NDArray
 
+from ..common.extras import optional_import
+from ..common.files import atomically
 from ..envs import StickSlipCrawlerEnv
-from ..extras import optional_import
-from ..files import atomically
 from .schedules import Performance, performance
 
 with optional_import():

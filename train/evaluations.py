@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from ..files import atomically
+from ..common.files import atomically
 
 __all__ = ["Evaluation", "best_of", "read_evaluations", "write_evaluations"]
 

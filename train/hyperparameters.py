@@ -6,7 +6,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ..extras import optional_import
+from ..common.extras import optional_import
 
 with optional_import():
     import yaml

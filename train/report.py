@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+from ..common.files import atomically
 from ..crawler import simulate
-from ..crawler.plotting import save_figure
+from ..crawler.trajectory_figure import save_figure
 from ..envs import StickSlipCrawlerEnv
-from ..files import atomically
 from ..tasks import plot_memory_profile
 from .evaluation import film, measure
 from .figures import plot_learning

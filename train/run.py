@@ -7,11 +7,11 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
+from ..common.extras import optional_import
+from ..common.files import atomically
+from ..common.validation import known_names, whole_number
 from ..envs.settings import Settings
 from ..envs.specification import plain
-from ..extras import optional_import
-from ..files import atomically
-from ..validation import known_names, whole_number
 
 with optional_import():
     import yaml

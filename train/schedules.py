@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.validation import number_within, whole_number
 from ..crawler import GroupsLike, Scene, simulate
 from ..reservoir import memory_capacity, MemoryCapacity
 from ..tasks import body_states, dithered, innovation
-from ..validation import number_within, whole_number
 
 __all__ = ["Performance", "necklaces", "pareto_front", "performance", "repeat"]
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from ..extras import optional_import
-from ..validation import whole_number
+from ..common.extras import optional_import
+from ..common.validation import whole_number
 
 with optional_import():
     import torch

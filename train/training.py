@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from ..common.extras import optional_import
+from ..common.files import atomically
+from ..common.fingerprint import described, refuse_other, rounded
 from ..envs import StickSlipCrawlerEnv
-from ..extras import optional_import
-from ..files import atomically
-from ..fingerprint import described, refuse_other, rounded
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .hyperparameters import resolve
 from .run import Configuration, Run

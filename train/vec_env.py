@@ -11,11 +11,11 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from ..common.extras import optional_import
+from ..common.validation import truth_value
 from ..envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
 from ..envs.settings import COUNTS, NUMBERS
 from ..envs.sub_environment import SubEnvironment
-from ..extras import optional_import
-from ..validation import truth_value
 
 with optional_import():
     from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices, VecEnvStepReturn

@@ -16,7 +16,7 @@ from numba import njit
 from peer_solvers.problem import GROUPS, WORD
 from stickslip.crawler import Scene
 from stickslip.envs.settings import Settings
-from stickslip.envs.stepping import NO_MEMORY, rest, Stepper, stepper_for, TOLD
+from stickslip.envs.single_kernel import NO_MEMORY, rest, Stepper, stepper_for, TOLD
 
 __all__ = ["measure_calls"]
 

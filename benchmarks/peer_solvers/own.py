@@ -4,11 +4,11 @@ import numpy as np
 
 from peer_solvers.problem import Contender, GROUPS, HOLD, Journey, Word
 from stickslip.crawler import REST, Scene, simulate
-from stickslip.crawler.body import Body, physics, STUCK
-from stickslip.crawler.control import FINISHED
-from stickslip.crawler.driving import drive
+from stickslip.crawler.drive import drive
+from stickslip.crawler.model.state import Body, physics, STUCK
 from stickslip.crawler.solvers import SOLVERS
-from stickslip.crawler.workspace import ROWS, WIDTH
+from stickslip.crawler.steps.options import FINISHED
+from stickslip.crawler.steps.workspace import ROWS, WIDTH
 
 __all__ = ["KERNEL", "LIBRARY", "SIMULATE", "contenders", "foot_under_plain_friction"]
 

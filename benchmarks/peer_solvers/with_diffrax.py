@@ -18,7 +18,7 @@ from peer_solvers.problem import (
     travel,
     Word,
 )
-from stickslip.extras import optional_import
+from stickslip.common.extras import optional_import
 
 with optional_import():
     import diffrax

@@ -21,7 +21,7 @@ from peer_solvers.problem import (
     LIGHT,
     Word,
 )
-from stickslip.extras import optional_import
+from stickslip.common.extras import optional_import
 
 with optional_import():
     import heyoka as hy

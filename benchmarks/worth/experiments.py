@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from stickslip.crawler import Groups, Scene, simulate
 from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.reservoir import memory_capacity
-from stickslip.tasks import body_states, crawler_states, random_bits, run_benchmark
+from stickslip.studies.benchmark import run_benchmark
+from stickslip.tasks import body_states, crawler_states, random_bits
 
 from .settings import ALL, name_of, REFERENCE, TOLERANCES
 

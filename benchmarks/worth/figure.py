@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.crawler.plotting import house_style, MARKERS, OKABE_ITO
-from stickslip.extras import optional_import
+from stickslip.common.extras import optional_import
+from stickslip.crawler.trajectory_figure import house_style, MARKERS, OKABE_ITO
 
 from .cost import SIMULATE, STEP
 from .experiments import BODIES, CHAOTIC, POLICIES, RANDOM, TASKS, WORDS

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.extras import optional_import
+from stickslip.common.extras import optional_import
 from stickslip.train.hyperparameters import read_hyperparameters
 from stickslip.train.run import Configuration
 from stickslip.train.training import load_policy, train

@@ -8,8 +8,8 @@ import pytest
 from measuring import refreshed
 
 from stickslip.reservoir import Estimate
+from stickslip.studies.benchmark.report import as_markdown, as_rows
 from stickslip.tasks import MEASURES, TASKS
-from stickslip.tasks.report import as_markdown, as_rows
 
 RESULTS = json.loads(laboratory.RESULTS.read_text(encoding="utf-8"))
 

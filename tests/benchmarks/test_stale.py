@@ -9,9 +9,9 @@ import remeasured
 import stale
 
 from stickslip.reservoir import memory
+from stickslip.studies.benchmark.probe import probes
 from stickslip.tasks import task as tasks
 from stickslip.tasks import TASKS
-from stickslip.tasks.probe import probes
 
 
 def test_no_page_is_stale():

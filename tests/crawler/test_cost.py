@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from stickslip.crawler import Groups, Scene, simulate
-from stickslip.crawler.control import STEPS_A_HOLD
 from stickslip.crawler.cost import predicted_cost, predicted_steps
-from stickslip.crawler.groups import PRESETS
+from stickslip.crawler.model.groups import PRESETS
 from stickslip.crawler.solvers import AUTO, choose, SOLVERS, solvers_for
+from stickslip.crawler.steps.options import STEPS_A_HOLD
 
 MEASURED = Path(__file__).parents[2] / "benchmarks" / "results" / "solver_choice.json"
 CRAWLERS = 150

@@ -6,24 +6,24 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGE = ("crawler", "envs", "reservoir", "stickslip", "tasks", "train")
+PACKAGE = ("crawler", "envs", "reservoir", "compiling", "tasks", "train", "studies")
 KERNELS = {"compiled", "allocating", "merged", "formula", "overload", "njit"}
 # What bounds the passes of each loop of kernels that is no walk through a range.
 BOUNDS = {
-    ("crawler/advance.py", "advance", "done < count"): "samples of a hold",
+    ("crawler/motion/loop.py", "advance", "done < count"): "samples of a hold",
     (
-        "crawler/advance.py",
+        "crawler/motion/loop.py",
         "sampled_by",
         "begin > 0.0 and done < count and (moment_of(done, count, hold) <= begin)",
     ): "samples of a hold",
-    ("crawler/chain_advance.py", "_advance_chain", "done < count"): "samples of a hold",
-    ("crawler/linear.py", "advance_linear", "True"): "max_steps: a pass spends one, and one for each look",
-    ("crawler/linear.py", "advance_linear", "done < count"): "samples of a hold",
-    ("crawler/marching.py", "first_fall", "spent < budget"): "max_steps less what is spent",
-    ("crawler/lanes.py", "_in_closed_form", "first < end"): "crawlers of the batch",
-    ("crawler/lanes.py", "_in_lanes", "active"): "max_steps for each crawler of the batch",
-    ("crawler/lanes.py", "_in_lanes", "due"): "samples of a hold",
-    ("crawler/lanes.py", "_next", "i < end and skip[i]"): "crawlers of the batch",
+    ("crawler/motion/chain_loop.py", "_advance_chain", "done < count"): "samples of a hold",
+    ("crawler/closed_form/loop.py", "advance_linear", "True"): "max_steps: a pass spends one, and one for each look",
+    ("crawler/closed_form/loop.py", "advance_linear", "done < count"): "samples of a hold",
+    ("crawler/closed_form/search.py", "first_fall", "spent < budget"): "max_steps less what is spent",
+    ("crawler/batch/advance.py", "_in_closed_form", "first < end"): "crawlers of the batch",
+    ("crawler/batch/advance.py", "_in_lanes", "active"): "max_steps for each crawler of the batch",
+    ("crawler/batch/advance.py", "_in_lanes", "due"): "samples of a hold",
+    ("crawler/batch/advance.py", "_next", "i < end and skip[i]"): "crawlers of the batch",
 }
 FILES = sorted(path for folder in PACKAGE for path in (ROOT / folder).rglob("*.py"))
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
-from stickslip.crawler.advance import advance
-from stickslip.crawler.body import Body, NOTHING_YET, physics, STUCK
-from stickslip.crawler.control import DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS
+from stickslip.crawler.model.state import Body, NOTHING_YET, physics, STUCK
+from stickslip.crawler.motion.loop import advance
 from stickslip.crawler.refusals import solver_error
 from stickslip.crawler.solvers import SOLVERS
-from stickslip.crawler.workspace import ROWS, WIDTH
+from stickslip.crawler.steps.options import DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS
+from stickslip.crawler.steps.workspace import ROWS, WIDTH
 
 REFUSED = [
     ("valve", {"valve": [0, 2]}, ValueError, r"valve must hold only numbers in \[0, 1\]"),

@@ -32,7 +32,7 @@ def told(monkeypatch):
         runs.append((time, slips, began))
         return solver_error(status, time, deformation, steps, groups, scene, tolerance, solver, slips, began)
 
-    for module in ("crawler.simulation", "envs.crawler", "envs.fleet", "envs.stepping"):
+    for module in ("crawler.simulation", "envs.single", "envs.batch_engine", "envs.single_kernel"):
         monkeypatch.setattr(f"stickslip.{module}.solver_error", tell)
     return runs
 

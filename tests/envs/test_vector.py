@@ -117,8 +117,8 @@ def test_each_may_have_groups_of_its_own():
 def test_neither_the_batch_nor_the_threads_nor_the_calls_matter(count, threads, least, call, seed, steps):
     whole, part = make_vec(40, threads=1, max_episode_steps=5), None
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.envs.fleet._LEAST_A_THREAD", least)
-        patch.setattr("stickslip.envs.fleet._TIME_OF_A_CALL", call)
+        patch.setattr("stickslip.envs.batch_engine._LEAST_A_THREAD", least)
+        patch.setattr("stickslip.envs.batch_engine._TIME_OF_A_CALL", call)
         part = make_vec(count, threads=threads, max_episode_steps=5)
     generator = np.random.default_rng(seed)
     expected, answer = whole.reset(seed=seed), part.reset(seed=seed)

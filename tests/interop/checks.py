@@ -13,8 +13,6 @@ import tempfile
 import gymnasium as gym
 import numpy as np
 
-import stickslip  # noqa: F401, registers the environments
-
 __all__ = ["CHECKS"]
 
 ID = "StickSlipCrawler-v0"

@@ -4,8 +4,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from stickslip.reservoir import MemoryCapacity
+from stickslip.studies.benchmark.figures import _styles
 from stickslip.tasks import plot_memory_profile
-from stickslip.tasks.benchmark_figures import _styles
 
 mpl.use("agg")
 

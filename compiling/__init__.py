@@ -1,0 +1,1 @@
+"""Python to machine code: compilation, kept kernels, traced straight-line code, vectors."""

@@ -1,0 +1,1 @@
+"""Many crawlers at once: in lanes, each to the bit as it moves alone."""

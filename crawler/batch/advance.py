@@ -1,0 +1,392 @@
+"""Many crawlers, one hold of their valves each: the batched counterpart of `advance_by_method`.
+
+By Taylor series crawlers advance in lanes of vector arithmetic. A lane whose crawler has reached the end of its hold
+takes the next crawler at once, so that none waits for a neighbour that takes more steps. A step on which something
+happens to a crawler, an event or a defect, is taken by the single crawler's own functions.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba.extending import overload
+from numpy.typing import NDArray
+
+from ...compiling.compilation import allocating, compiled, OPTIONS
+from ...compiling.vectors import aligned_zeros, LANES
+from ..closed_form.affine_lanes import advance_anchored_lanes
+from ..drive import advance_by_method
+from ..model.equations import pressure_after
+from ..model.state import Body, NOTHING_YET, Physics
+from ..motion.events import change_motion, next_event
+from ..motion.loop import end_of_step, is_near, moment_of
+from ..steps.options import ClosedForm, Control, DIVERGED, FINISHED, is_taylor, method_of, OUT_OF_STEPS
+from ..steps.taylor import state_at, trusted
+from ..steps.workspace import FORCE, LENGTH, ROWS, STEP, V, WIDTH, Z
+from .step import (
+    COLUMNS,
+    CRAWLER,
+    DONE,
+    ELAPSED,
+    END,
+    HOLD,
+    LANE_ROWS,
+    OPENING,
+    PHYSICS,
+    REACHED,
+    SAMPLE,
+    sample_lanes,
+    SAMPLING,
+    STATE,
+    step_lanes,
+    VALVE,
+)
+
+__all__ = ["advance_lanes", "lane_workspace", "one_by_one"]
+
+_BODY = len(Body._fields)
+_PHYSICS = len(Physics._fields)
+_UNFINISHED = -1
+
+
+def lane_workspace() -> NDArray[np.float64]:
+    """Scratch of one thread, at a cache line's start."""
+    return aligned_zeros(LANE_ROWS, COLUMNS, LANES)
+
+
+def advance_lanes(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int64],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    """Advance some of n crawlers by one hold each, in compiled code alone.
+
+    Parameters
+    ----------
+    bodies : (7, n) array
+        Fields of `Body` in order, a crawler a column; updated.
+    coefficients : (11, n) array
+        Fields of `Physics` in order.
+    valves : (n,) array
+        0 or 1.
+    skip : (n,) array of bool
+        Crawlers that are left as they are, though in the slice.
+    begin, end : int
+        Slice of crawlers to advance. Threads take disjoint ones.
+    hold : float
+    control : Control
+        Neither energies nor events are kept. Its step budget is each crawler's own.
+    samples : (3, V, n) array
+        Receives z, v, p at the times hold (j + 1) / V.
+    workspace : array of three axes
+        For Taylor series that of `lane_workspace`, one a thread; for the other methods the solver's own, one for each
+        crawler or one for all.
+    statuses : (n,) array of int8
+        Receives FINISHED, DIVERGED or OUT_OF_STEPS.
+    elapsed : (n,) array
+        Receives the time into the hold that was reached.
+    """
+    raise NotImplementedError
+
+
+@overload(advance_lanes, jit_options=OPTIONS | {"_nrt": True})
+def _compiled_lanes(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int64],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> Any:
+    if is_taylor(control):
+        kernel: Any = _in_lanes
+    else:
+        kernel = _in_closed_form if method_of(control) is ClosedForm else one_by_one
+    return kernel.py_func
+
+
+@allocating
+def _in_closed_form(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int64],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    alike = len(workspace) == 1
+    physics = physics_of(coefficients, begin)
+    opened = np.empty(LANES)
+    first = begin
+    while first < end:
+        last = min(first + LANES, end)
+        if alike and physics.anchored and last == first + LANES and not skip[first:last].any():
+            for lane in range(LANES):
+                opened[lane] = valves[first + lane]
+            advance_anchored_lanes(first, physics, bodies, opened, hold, samples, workspace[0], statuses, elapsed)
+        else:
+            one_by_one(
+                bodies,
+                coefficients,
+                valves,
+                skip,
+                first,
+                last,
+                hold,
+                control,
+                samples,
+                workspace,
+                statuses,
+                elapsed,
+            )
+        first = last
+
+
+@allocating
+def one_by_one(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int64],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    """`advance_lanes` by the single crawler's functions, whatever the method; `workspace` is then the solver's."""
+    count = samples.shape[1]
+    own = np.empty((5, count))
+    for i in range(begin, end):
+        if skip[i]:
+            continue
+        outcome = advance_by_method(
+            body_of(bodies, i),
+            NOTHING_YET,
+            physics_of(coefficients, i),
+            float(valves[i]),
+            hold,
+            control,
+            0.0,
+            own,
+            own[:0],  # no events are kept
+            workspace[i if len(workspace) > 1 else 0],
+        )
+        write_body(outcome.body, bodies, i)
+        for j in range(count):
+            for row in range(3):
+                samples[row, j, i] = own[row, j]
+        statuses[i] = outcome.status
+        elapsed[i] = outcome.elapsed
+
+
+@compiled
+def body_of(bodies: NDArray[np.float64], i: int) -> Body:
+    """The body in a column."""
+    return Body(
+        bodies[0, i], bodies[1, i], bodies[2, i], bodies[3, i], bodies[4, i], int(bodies[5, i]), int(bodies[6, i])
+    )
+
+
+@compiled
+def write_body(body: Body, bodies: NDArray[np.float64], i: int) -> None:
+    """Put the body into a column."""
+    bodies[0, i] = body.deformation
+    bodies[1, i] = body.velocity
+    bodies[2, i] = body.pressure
+    bodies[3, i] = body.foot
+    bodies[4, i] = body.foot_velocity
+    bodies[5, i] = body.motion
+    bodies[6, i] = body.slips
+
+
+@compiled
+def physics_of(coefficients: NDArray[np.float64], i: int) -> Physics:
+    """The coefficients in a column."""
+    return Physics(
+        coefficients[0, i],
+        coefficients[1, i],
+        coefficients[2, i],
+        coefficients[3, i],
+        coefficients[4, i],
+        coefficients[5, i],
+        coefficients[6, i],
+        coefficients[7, i],
+        coefficients[8, i],
+        coefficients[9, i] != 0.0,
+        coefficients[10, i] != 0.0,
+    )
+
+
+@allocating
+def _in_lanes(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int64],
+    skip: NDArray[np.bool_],
+    begin: int,
+    end: int,
+    hold: float,
+    control: Control,
+    samples: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    lanes = workspace
+    count = samples.shape[1]
+    series = np.empty((ROWS, WIDTH))
+    steps = np.zeros(LANES, np.int64)
+    queue = _next(begin, end, skip)
+    if queue == end:
+        return
+    active = 0
+    for lane in range(LANES):
+        # Without enough crawlers the lanes left over idle on the first.
+        _load(queue if queue < end else begin, bodies, coefficients, valves, lanes, lane)
+        if queue < end:
+            active |= 1 << lane
+            queue = _next(queue + 1, end, skip)
+
+    while active:
+        calm, last, due, sure = step_lanes(control.method, (control.tolerance, hold, float(count)), lanes)
+        rough = active & ~calm
+        last &= calm
+        due &= active & calm
+        lost = 0
+        for lane in range(LANES):
+            if (rough >> lane) & 1:
+                status = _step_alone(hold, control, (sure >> lane) & 1 == 1, lanes, lane, series)
+                last |= (status == FINISHED) << lane
+                lost |= (status == DIVERGED) << lane
+                due |= (moment_of(lanes[SAMPLING, DONE, lane], count, hold) <= lanes[SAMPLING, REACHED, lane]) << lane
+        while due:
+            (more,) = sample_lanes(control.method, (hold, float(count)), lanes)
+            for lane in range(LANES):
+                if (due >> lane) & 1:
+                    i = int(lanes[HOLD, CRAWLER, lane])
+                    j = int(lanes[SAMPLING, DONE, lane]) - 1
+                    for row in range(3):
+                        samples[row, j, i] = lanes[SAMPLE, row, lane]
+            due &= more
+        for lane in range(LANES):
+            steps[lane] += 1
+            over = ((last | lost) >> lane) & 1 or steps[lane] >= control.max_steps
+            if not (over and (active >> lane) & 1):
+                continue
+            i = int(lanes[HOLD, CRAWLER, lane])
+            for row in range(_BODY):
+                bodies[row, i] = lanes[STATE, row, lane]
+            elapsed[i] = lanes[STATE, ELAPSED, lane]
+            statuses[i] = FINISHED if (last >> lane) & 1 else DIVERGED if (lost >> lane) & 1 else OUT_OF_STEPS
+            if queue < end:
+                _load(queue, bodies, coefficients, valves, lanes, lane)
+                steps[lane] = 0
+                queue = _next(queue + 1, end, skip)
+            else:
+                active &= ~(1 << lane)
+
+
+@compiled
+def _next(i: int, end: int, skip: NDArray[np.bool_]) -> int:
+    """The first crawler from `i` on that is not left as it is; `end` if there is none."""
+    while i < end and skip[i]:
+        i += 1
+    return i
+
+
+@compiled
+def _load(
+    i: int,
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    valves: NDArray[np.int64],
+    lanes: NDArray[np.float64],
+    lane: int,
+) -> None:
+    for row in range(_BODY):
+        lanes[STATE, row, lane] = bodies[row, i]
+    for row in range(_PHYSICS):
+        lanes[PHYSICS, row, lane] = coefficients[row, i]
+    lanes[STATE, ELAPSED, lane] = 0.0
+    lanes[HOLD, OPENING, lane] = bodies[2, i]
+    lanes[HOLD, VALVE, lane] = valves[i]
+    lanes[HOLD, CRAWLER, lane] = i
+    lanes[SAMPLING, DONE, lane] = 0.0
+
+
+@compiled
+def _step_alone(
+    hold: float,
+    control: Control,
+    sure: bool,
+    lanes: NDArray[np.float64],
+    lane: int,
+    series: NDArray[np.float64],
+) -> int:
+    """Take a lane's step as `advance` would, from the series that the lane has; return the status.
+
+    Its samples are left to be taken with those of the other lanes.
+    """
+    order = control.order
+    for row in (Z, V, FORCE, STEP):
+        for n in range(order + 2):
+            series[row, n] = lanes[row, n, lane]
+    physics = physics_of(lanes[PHYSICS], lane)
+    body = body_of(lanes[STATE], lane)
+    before = lanes[STATE, ELAPSED, lane]
+    valve = lanes[HOLD, VALVE, lane]
+    opening = Body(body.deformation, body.velocity, lanes[HOLD, OPENING, lane], body.foot, 0.0, 0, 0)
+    if sure:
+        longest = series[STEP, LENGTH]
+        end = Body(
+            lanes[END, 0, lane],
+            lanes[END, 1, lane],
+            lanes[END, 2, lane],
+            lanes[END, 3, lane],
+            lanes[END, 4, lane],
+            body.motion,
+            body.slips,
+        )
+    else:
+        longest, end = trusted(opening, body, physics, valve, before, control.tolerance, order, series)
+        if not longest >= 0.0:
+            return DIVERGED
+    length, motion = next_event(body, end, physics, valve, order, longest, control.tolerance, 0.0, series)
+    reached, last = end_of_step(body, hold, before, length, motion)
+    following = end
+    if length < longest:
+        pressure = pressure_after(opening, physics, valve, reached)
+        following = state_at(body, physics, pressure, order, length, series)
+    lanes[STEP, LENGTH, lane] = length
+    lanes[SAMPLING, REACHED, lane] = reached
+    if not is_near(following):
+        return DIVERGED
+    if motion != body.motion:
+        following = change_motion(following, motion, physics)
+    write_body(following, lanes[STATE], lane)
+    lanes[STATE, ELAPSED, lane] = reached
+    return FINISHED if last else _UNFINISHED

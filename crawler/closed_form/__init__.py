@@ -1,0 +1,1 @@
+"""Linear bodies: motion by the matrix exponential, event by event."""

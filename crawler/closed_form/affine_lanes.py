@@ -1,0 +1,68 @@
+"""Anchored linear crawlers of one kind, eight at once: a hold is one affine map, the same for all."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...compiling.compilation import compiled
+from ...compiling.vectors import faded, load, spread, store
+from ..model.equations import acceleration_at_no_force
+from ..model.state import Physics, STUCK
+from ..motion.loop import FARTHEST
+from ..steps.options import DIVERGED, FINISHED
+from ..steps.propagator import rates_of
+from .search import FAINTEST
+
+__all__ = ["advance_anchored_lanes"]
+
+
+@compiled
+def advance_anchored_lanes(
+    first: int,
+    physics: Physics,
+    bodies: NDArray[np.float64],
+    valves: NDArray[np.float64],
+    hold: float,
+    samples: NDArray[np.float64],
+    table: NDArray[np.float64],
+    statuses: NDArray[np.int8],
+    elapsed: NDArray[np.float64],
+) -> None:
+    """Advance the crawlers in columns `first` to `first + 7` by one hold, as `advance_linear` does.
+
+    Parameters
+    ----------
+    first : int
+    physics : Physics
+        Of them all.
+    bodies, samples, statuses, elapsed
+        As for `advance_lanes`, all C-contiguous.
+    valves : (LANES,) array
+        Of these crawlers, 0 or 1.
+    hold : float
+    table : (2 samples, ENTRIES) array
+        From `tabulate`, for all of them.
+    """
+    width = bodies.shape[1]
+    rates = rates_of(physics, STUCK)
+    valve = load(valves, 0)
+    rest = valve + spread(acceleration_at_no_force(physics, STUCK) / rates.yielding)
+    gap = faded(load(bodies, 2 * width + first) - valve, FAINTEST)
+    v = faded(load(bodies, width + first), FAINTEST)
+    z = faded(load(bodies, first) - rest, FAINTEST)
+    count = samples.shape[1]
+    for j in range(count):
+        over = table[j]
+        moved_z = rest + (spread(over[0]) * z + spread(over[1]) * v + spread(over[2]) * gap)
+        moved_v = spread(over[3]) * z + spread(over[4]) * v + spread(over[5]) * gap
+        pressure = valve + spread(over[6]) * gap
+        store(samples, j * width + first, moved_z)
+        store(samples, (count + j) * width + first, moved_v)
+        store(samples, (2 * count + j) * width + first, pressure)
+        if j == count - 1:
+            store(bodies, first, moved_z)
+            store(bodies, width + first, moved_v)
+            store(bodies, 2 * width + first, pressure)
+    for i in range(first, first + len(valves)):
+        near = abs(bodies[0, i]) + abs(bodies[1, i]) < FARTHEST
+        statuses[i] = FINISHED if near else DIVERGED
+        elapsed[i] = hold if near else 0.0

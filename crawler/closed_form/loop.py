@@ -1,0 +1,252 @@
+"""One linear crawler, one stretch of a constant valve: the closed form of `advance` where Pi1 = Pi5 = 0.
+
+Nothing is integrated. From event to event the state is a propagator times the state at the last event, and only the
+times of the events are searched for. The error is that of rounding, whatever the tolerance.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...compiling.compilation import allocating, compiled
+from ...compiling.roots import first_descent
+from ..model.equations import acceleration_at_no_force, force, moved, retardation
+from ..model.groups import Groups
+from ..model.state import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
+from ..motion.events import breaks_loose, change_motion, comes_to_rest, foot_speed, motion_after_rest, turning_speed
+from ..motion.loop import is_near, moment_of, record, sampled_by
+from ..motion.tangent import carry_linear, saltate
+from ..steps.options import AFRESH, Control, DIVERGED, FINISHED, Leg, LOG_FULL, OUT_OF_STEPS, Outcome, PAUSED, Taylor20
+from ..steps.propagator import Propagator, propagator, Rates, rates_of, tabulated
+from ..steps.taylor import expand
+from ..steps.workspace import ROWS, SCRATCH, WIDTH
+from .energy import account_linear
+from .search import Deviation, deviation, first_fall, Margin, Modes, modes_of, safe_start
+
+__all__ = ["advance_linear", "is_linear", "require_linear"]
+
+# Up to one over the fastest rate a series of this order is exact to rounding.
+_ORDER = Taylor20.order()
+
+
+def is_linear(groups: Groups) -> bool:
+    """Whether the crawler's smooth motion has a closed form."""
+    return groups.duffing == 0.0 and groups.radial_coupling == 0.0
+
+
+def require_linear(groups: Groups) -> None:
+    """Refuse groups without a closed form.
+
+    Raises
+    ------
+    ValueError
+        Naming the group that makes the motion nonlinear.
+    """
+    for name in ("duffing", "radial_coupling"):
+        value = getattr(groups, name)
+        if value != 0.0:
+            raise ValueError(f"solver 'closed_form' needs {name} to be 0, got {value!r}; 'auto' takes any groups")
+
+
+@compiled
+def advance_linear(
+    body: Body,
+    ledger: Ledger,
+    physics: Physics,
+    valve: float,
+    hold: float,
+    control: Control,
+    start: float,
+    samples: NDArray[np.float64],
+    events: NDArray[np.float64],
+    workspace: NDArray[np.float64],
+    begin: float = 0.0,
+    end: float = math.inf,
+    leg: Leg | None = None,
+) -> Outcome:
+    """Advance one linear crawler by one hold of the valve, or by a part of one.
+
+    Parameters
+    ----------
+    body, ledger, physics, valve, hold, control, start, samples, events, begin, end, leg
+        As for `advance`. Of `control` the order does not matter, and the tolerance to nothing but the turns of a free
+        foot; `max_steps` bounds the evaluations in search of events; it pauses between two events only.
+    workspace : (2 S + CHANGES, ENTRIES) array
+        From `tabulate`, for this crawler, hold and number S of samples.
+
+    Returns
+    -------
+    Outcome
+    """
+    count = samples.shape[1]
+    elapsed = begin
+    if leg is not None:
+        elapsed = leg.elapsed
+    done = sampled_by(elapsed, hold, count)
+    logged = 0
+    close = min(end, hold)
+    spent = 0
+    while True:
+        if leg is not None and spent >= leg.steps:
+            return Outcome(PAUSED, elapsed, spent, logged, body, ledger, AFRESH)
+        rates = rates_of(physics, body.motion)
+        deviating = deviation(body, physics, valve, rates)
+        length = close - elapsed
+        resting = body.motion == STUCK
+        # A hold's last sample is its end.
+        ends_sampled = close == hold and count > 0
+        if elapsed == 0.0 and ends_sampled:
+            whole = tabulated(workspace, (count if resting else 2 * count) - 1)
+        else:
+            whole = propagator(rates, length)
+        budget = control.max_steps - spent
+        moment, motion, looks = _next_event(
+            body, deviating, physics, valve, rates, length, whole, control.tolerance, budget
+        )
+        spent += looks + 1
+        if spent >= control.max_steps:
+            return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger, AFRESH)
+        last = motion == body.motion
+        reached = close if last else elapsed + moment
+        following = body
+        while done < count:
+            instant = moment_of(done, count, hold)
+            if instant > reached:
+                break
+            since = min(instant - elapsed, moment)
+            if since == length:
+                over = whole
+            elif elapsed == 0.0 and since == instant:
+                over = tabulated(workspace, done if resting else count + done)
+            else:
+                over = propagator(rates, since)
+            following = _carried(body, deviating, physics, valve, over, since)
+            record(following, samples, done)
+            done += 1
+        if not (last and ends_sampled):
+            over = whole if last else propagator(rates, moment)
+            following = _carried(body, deviating, physics, valve, over, moment)
+        if not is_near(following):
+            return Outcome(DIVERGED, elapsed, spent, logged, body, ledger, AFRESH)
+        if control.energy:
+            ended = deviation(following, physics, valve, rates)
+            ledger = account_linear(ledger, body, following, physics, valve, rates, deviating, ended, moment)
+        if control.tangents:
+            over = whole if last else propagator(rates, moment)
+            carry_linear(body, physics, over, moment, workspace)
+        elapsed = reached
+        if motion != body.motion:
+            if control.tangents:
+                saltate(following, motion, physics, valve, start + elapsed, workspace)
+            following = change_motion(following, motion, physics)
+            if control.log:
+                if logged == events.shape[0]:
+                    return Outcome(LOG_FULL, elapsed, spent, logged, body, ledger, AFRESH)
+                events[logged, 0] = start + elapsed
+                events[logged, 1] = motion
+                logged += 1
+        body = following
+        if last:
+            return Outcome(FINISHED, close, spent, logged, body, ledger, AFRESH)
+
+
+@compiled
+def _carried(body: Body, start: Deviation, physics: Physics, valve: float, over: Propagator, t: float) -> Body:
+    """State a time `t` after `body`, by the propagator over that time."""
+    z = over.z_z * start.z + over.z_v * start.v + over.z_q * start.gap
+    v = over.v_z * start.z + over.v_v * start.v + over.v_q * start.gap
+    return moved(body, physics, start.rest + z, v, valve + over.q_q * start.gap, t)
+
+
+@compiled
+def _next_event(
+    body: Body,
+    start: Deviation,
+    physics: Physics,
+    valve: float,
+    rates: Rates,
+    length: float,
+    whole: Propagator,
+    tolerance: float,
+    budget: int,
+) -> tuple[float, int, int]:
+    """Where the smooth motion ends, at most at `length`, the motion that follows, and the evaluations spent."""
+    if physics.anchored:
+        return length, body.motion, 0
+    modes = modes_of(start, rates)
+    if body.motion == STUCK:
+        grip = _grip(FORWARD, physics, rates)
+        moment, spent = first_fall(grip, start, rates, modes, 0.0, length, whole, budget)
+        motion = FORWARD
+        if not physics.ratchet and spent < budget:
+            grip = _grip(BACKWARD, physics, rates)
+            backward, looks = first_fall(grip, start, rates, modes, 0.0, length, whole, budget - spent)
+            spent += looks
+            if backward < moment:
+                moment, motion = backward, BACKWARD
+        return (moment, motion, spent) if moment <= length else (length, STUCK, spent)
+
+    beyond = turning_speed(body, physics, tolerance)
+    moment, spent = _standstill(body, start, physics, valve, rates, modes, length, whole, beyond, budget)
+    rests = moment <= length
+    if rests:
+        over = propagator(rates, moment)
+    else:
+        moment, over = length, whole
+    following = _carried(body, start, physics, valve, over, moment)
+    z, v = following.deformation, following.velocity
+    if rests or comes_to_rest(body.motion, physics, z, v, following.pressure, following.foot_velocity):
+        pull = force(physics, z, v, following.pressure)
+        return moment, motion_after_rest(body.motion, physics, pull), spent
+    return length, body.motion, spent
+
+
+@compiled
+def _grip(direction: int, physics: Physics, rates: Rates) -> Margin:
+    """Margin by which the resting foot holds, s plus or less F + r slope, where Y F = v' less its constant part."""
+    at_rest = physics.foot_fraction * physics.slope - acceleration_at_no_force(physics, STUCK) / rates.yielding
+    constant = physics.static_friction + direction * at_rest
+    return Margin(constant, 0.0, direction / rates.yielding, True, physics.static_friction + abs(at_rest))
+
+
+@allocating
+def _standstill(
+    body: Body,
+    start: Deviation,
+    physics: Physics,
+    valve: float,
+    rates: Rates,
+    modes: Modes,
+    length: float,
+    whole: Propagator,
+    beyond: float,
+    budget: int,
+) -> tuple[float, int]:
+    """When the sliding foot's speed, by momentum, and `beyond` more falls through zero; inf if not by `length`."""
+    payload, direction = physics.payload_fraction, body.motion
+    margin = Margin(
+        direction * (body.foot_velocity + payload * body.velocity) + beyond,
+        -direction * retardation(physics, direction),
+        -direction * payload,
+        False,
+        abs(body.foot_velocity) + payload * abs(body.velocity),
+    )
+    begin = 0.0
+    if body.foot_velocity == 0.0 and beyond == 0.0:
+        # A slip begins at rest, and its speed is at first a difference that rounding swamps.
+        gained = margin.drift + margin.factor * start.acceleration
+        if breaks_loose(direction, physics, body.deformation, body.velocity, body.pressure):
+            gained = max(gained, (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction)
+        begin = safe_start(margin, start, rates, modes, gained)
+        if begin == 0.0:
+            begin = min(length, 1.0 / max(rates.fast, rates.lag, math.sqrt(rates.yielding)))
+            series = np.empty((ROWS, WIDTH))
+            expand(body, physics, valve, Taylor20(), 1.0, begin, series)
+            degree = foot_speed(body, physics, _ORDER, 0.0, series)
+            moment = first_descent(series[SCRATCH], degree, begin)
+            if moment <= begin:
+                return moment, 1
+        if not begin < length:
+            return math.inf, 1
+    return first_fall(margin, start, rates, modes, begin, length, whole, budget)

@@ -1,0 +1,84 @@
+"""The equations of motion at an instant: over floats, and over any numbers of `stickslip.compiling.tracing`."""
+
+from ...compiling.compilation import formula
+from ...compiling.tracing import exp, where
+from .state import Body, Physics, STUCK
+
+__all__ = [
+    "acceleration_at_no_force",
+    "foot_velocity_at",
+    "force",
+    "force_terms",
+    "inverse_mass",
+    "is_free",
+    "moved",
+    "pressure_after",
+    "retardation",
+]
+
+# Arithmetic on the denormal numbers that a gap would end in takes a hundred times as long.
+_FAINTEST = 1e-250
+
+
+@formula
+def force(physics: Physics, z: float, v: float, p: float) -> float:
+    """F = p (1 + Pi5 z) - z - Pi1 z^3 - 2 Pi2 v."""
+    return p * (1.0 + physics.radial_coupling * z) - z * (1.0 + physics.duffing * z * z) - physics.damping * v
+
+
+@formula
+def force_terms(physics: Physics, z: float, v: float) -> float:
+    """Size of the terms that a force is made of, to which its rounding is relative."""
+    return 1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v)
+
+
+@formula
+def pressure_after(body: Body, physics: Physics, valve: float, t: float) -> float:
+    """Pressure a time `t` after `body`, while the valve holds."""
+    gap = (body.pressure - valve) * exp(-t * physics.lag_rate)
+    return where(abs(gap) > _FAINTEST, valve + gap, valve)
+
+
+@formula
+def inverse_mass(physics: Physics, motion: int) -> float:
+    """Rate v' per force: 1 / (1 - r) while the foot sticks, 1 / (r (1 - r)) while it slides."""
+    return 1.0 / (physics.payload_fraction * where(motion == STUCK, 1.0, physics.foot_fraction))
+
+
+@formula
+def acceleration_at_no_force(physics: Physics, motion: int) -> float:
+    """Rate v' of a body without force: its payload runs downhill while the foot sticks; drag tells while it slides."""
+    return where(motion == STUCK, -physics.slope, motion * physics.kinetic_friction / physics.foot_fraction)
+
+
+@formula
+def is_free(physics: Physics) -> bool:
+    """Whether nothing holds the foot, forward or backward: it slides alike both ways, and need never rest."""
+    return where(physics.ratchet, 1.0, physics.static_friction) == 0.0
+
+
+@formula
+def retardation(physics: Physics, motion: int) -> float:
+    """Rate at which friction and slope take momentum from a crawler whose foot slides."""
+    return motion * physics.kinetic_friction + physics.slope
+
+
+@formula
+def foot_velocity_at(body: Body, physics: Physics, velocity: float, t: float) -> float:
+    """Velocity of the sliding foot a time `t` into the step, when the body stretches at the rate `velocity`."""
+    gained = physics.payload_fraction * (body.velocity - velocity)
+    return body.foot_velocity + gained - retardation(physics, body.motion) * t
+
+
+@formula
+def moved(body: Body, physics: Physics, z: float, v: float, pressure: float, t: float) -> Body:
+    """State a time `t` into a smooth motion that has brought the body to `z` and `v`; the foot by momentum."""
+    sliding = body.motion != STUCK
+    payload = physics.payload_fraction
+    momentum = body.foot_velocity + payload * body.velocity
+    way = (momentum - 0.5 * retardation(physics, body.motion) * t) * t - payload * (z - body.deformation)
+    foot = where(sliding, body.foot + way, body.foot)
+    # At a stop rounding can leave it a hair beyond zero. A free foot may have begun to turn round.
+    speed = body.motion * foot_velocity_at(body, physics, v, t)
+    foot_velocity = where(sliding & ((speed > 0.0) | is_free(physics)), body.motion * speed, 0.0)
+    return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)

@@ -1,0 +1,1 @@
+"""What makes a smooth step: sets of polynomials, by Taylor series or by Radau IIA."""

@@ -1,0 +1,153 @@
+"""What the solvers are told, and what they answer."""
+
+from typing import Any, NamedTuple
+
+from ..model.state import Body, Ledger
+
+__all__ = [
+    "AFRESH",
+    "DIVERGED",
+    "FINISHED",
+    "LOG_FULL",
+    "MAX_STEPS",
+    "METHODS",
+    "OUT_OF_STEPS",
+    "PAUSED",
+    "SAMPLES_A_STEP",
+    "STEPS_A_HOLD",
+    "TAYLOR",
+    "ClosedForm",
+    "Control",
+    "Leg",
+    "Method",
+    "Outcome",
+    "Pace",
+    "Radau",
+    "Taylor",
+    "Taylor8",
+    "Taylor12",
+    "Taylor16",
+    "Taylor20",
+    "is_taylor",
+    "method_of",
+]
+
+FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL, PAUSED = 0, 1, 2, 3, 4
+
+# Half a second of work, ten thousand times what the default crawler needs for a hold of 20.
+MAX_STEPS = 1_000_000
+# Steps that a run may take besides for each of its holds.
+STEPS_A_HOLD = 1000
+# Samples that take as long as a step.
+SAMPLES_A_STEP = 10
+
+
+class Taylor8(NamedTuple):
+    """The method of Taylor series of order 8: the last coefficient of the force."""
+
+    @staticmethod
+    def order() -> int:
+        """Degree of the force's polynomial in a step."""
+        return 8
+
+
+class Taylor12(NamedTuple):
+    """Of order 12."""
+
+    @staticmethod
+    def order() -> int:
+        """Degree of the force's polynomial in a step."""
+        return 12
+
+
+class Taylor16(NamedTuple):
+    """Of order 16."""
+
+    @staticmethod
+    def order() -> int:
+        """Degree of the force's polynomial in a step."""
+        return 16
+
+
+class Taylor20(NamedTuple):
+    """Of order 20."""
+
+    @staticmethod
+    def order() -> int:
+        """Degree of the force's polynomial in a step."""
+        return 20
+
+
+class Radau(NamedTuple):
+    """The method of Radau collocation."""
+
+    @staticmethod
+    def order() -> int:
+        """Degree to which its polynomials are padded with zeros."""
+        return 12
+
+
+class ClosedForm(NamedTuple):
+    """No method at all: the motion is linear."""
+
+
+Taylor = Taylor8 | Taylor12 | Taylor16 | Taylor20
+Method = Taylor | Radau | ClosedForm
+TAYLOR: dict[int, type[Taylor]] = {method.order(): method for method in (Taylor8, Taylor12, Taylor16, Taylor20)}
+METHODS: tuple[type[Method], ...] = (*TAYLOR.values(), Radau, ClosedForm)
+
+
+class Control(NamedTuple):
+    """How accurately, and for how long at most, to integrate."""
+
+    tolerance: float
+    order: int  # degree of the force's polynomial in a step
+    max_steps: int
+    energy: bool  # whether to keep the ledger
+    log: bool  # whether to write down the events
+    tangents: bool  # whether to carry the tangents
+    method: Method  # its type alone matters: kernels are compiled for the one that is used
+
+
+class Pace(NamedTuple):
+    """What one step tells the next of the same motion."""
+
+    length: float  # to be tried next; 0 where nothing is known
+    span: float  # of the step whose polynomials lie in the workspace; 0 without one
+    begin: float  # of the next step, in those polynomials' time: `span`, or 0 to do the same step again
+    error: float  # of that step, in tolerances; 0 for a Taylor series
+    doubt: float  # force by which a grip may be beyond its threshold on that step without the foot breaking loose
+
+
+class Outcome(NamedTuple):
+    """What a hold, or a run, came to."""
+
+    status: int  # FINISHED, DIVERGED, OUT_OF_STEPS, LOG_FULL or PAUSED
+    elapsed: float  # time into the hold that was reached
+    steps: int  # taken
+    logged: int  # events written
+    body: Body
+    ledger: Ledger
+    pace: Pace
+
+
+class Leg(NamedTuple):
+    """Where a stretch of the valve that was paused goes on, and when it is to pause again."""
+
+    opening: Body  # at the stretch's begin
+    elapsed: float  # time into the hold that is behind
+    pace: Pace
+    steps: int  # to take at most until the next pause
+
+
+def method_of(control: Any) -> type[Method]:
+    """Class of a control's method, from the type that numba gives the control."""
+    return control[-1].instance_class
+
+
+def is_taylor(control: Any) -> bool:
+    """Whether a control's method is one of Taylor series, from the type that numba gives the control."""
+    return method_of(control) in TAYLOR.values()
+
+
+AFRESH = Pace(0.0, 0.0, 0.0, 0.0, 0.0)

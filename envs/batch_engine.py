@@ -1,0 +1,388 @@
+"""Many crawlers, each with its own world, flips and memory: what a batched environment steps."""
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from copy import deepcopy
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from gymnasium.utils import seeding
+from numpy.typing import NDArray
+
+from ..compiling.generators import whereabouts
+from ..compiling.vectors import aligned_zeros, LANES
+from ..crawler import Groups, Scene
+from ..crawler.batch.advance import lane_workspace
+from ..crawler.closed_form.loop import is_linear
+from ..crawler.model.state import Body, SLIPS, STUCK
+from ..crawler.refusals import solver_error, SolverError
+from ..crawler.solvers import SOLVERS
+from ..crawler.steps.options import MAX_STEPS
+from ..crawler.steps.workspace import ROWS, WIDTH
+from ..reservoir.prequential_lanes import blank_readouts, forget, packed, Readouts, readouts_of, unpack
+from .batch_kernel import batch_of, Reward, STEP_BATCH
+from .calibration import calibrated_memory, calibration_valves
+from .rendering.drawing import Frame
+from .settings import Choice, COUNTS, NUMBERS, Settings
+from .single_kernel import Stepper, stepper_for
+from .state import CrawlerState, observation_of
+
+__all__ = ["Fleet"]
+
+# Fewer crawlers than this are stepped before another thread has woken; an affine map a hold is soon done.
+_LEAST_A_THREAD = 128
+_LEAST_OF_MAPS = 16_384
+# Natural time times crawlers that one call of compiled code steps: some tens of milliseconds, unless they are stiff.
+_TIME_OF_A_CALL = 20_000.0
+
+
+class _Slice(NamedTuple):
+    """What one thread steps, and what it works on."""
+
+    begin: int
+    end: int
+    workspaces: dict[str, NDArray[np.float64]]  # by solver
+    scratch: NDArray[np.float64]
+
+
+class Fleet:
+    """Crawlers that are stepped together.
+
+    Parameters
+    ----------
+    kinds : sequence of Settings
+        Alike but for the groups.
+    kind : (crawlers,) array of int
+        Which of them is whose.
+    longest : int
+        Steps of an episode.
+    threads : int
+        Most that share a step.
+
+    Attributes
+    ----------
+    batch, results
+        See `Batch` and `Results`.
+    crawlers : list of (Groups, Scene)
+        Of the episodes.
+    named : list of (dict, float)
+        The same by name: the groups and the slope.
+    generators : list of numpy.random.Generator
+        Of each crawler's draws; None where none was asked for yet. Set by `draw_from`.
+    seeds : list of int
+        -1 where a generator was given.
+    """
+
+    def __init__(self, kinds: Sequence[Settings], kind: NDArray[np.int64], longest: int, threads: int) -> None:
+        self._kinds, self._kind = kinds, kind
+        settings = self._settings = kinds[0]
+        self._alike = len(kinds) == 1 and not settings.randomize
+        count = len(kind)
+        self._reward = Reward(settings.hold, settings.dither, settings.memory_weight, longest)
+        self.batch, self.results = batch_of(count, settings.samples)
+        self.generators: list[Any] = [None] * count
+        self.seeds: list[int | None] = [None] * count
+        self.crawlers = [(kinds[each].groups, settings.scene) for each in kind.tolist()]
+        self.named: list[tuple[dict[str, float], float]] = [({}, 0.0)] * count
+        self._solvers = np.full(count, "", np.dtype("U11"))
+        self._strange = np.zeros(count, np.bool_)  # whose episodes have crawlers that the kinds do not tell
+        self._tables: NDArray[np.float64] | None = None
+        self._readouts: Readouts | None = None
+
+        blocks = self.batch.bodies.shape[1] // LANES
+        maps = settings.scene.anchored and all(is_linear(kind.groups) for kind in kinds) and settings.dither == 0.0
+        parts = max(1, min(threads, count // (_LEAST_OF_MAPS if maps else _LEAST_A_THREAD)))
+        ends = [min(count, LANES * (blocks * part // parts)) for part in range(parts + 1)]
+        self._slices = [
+            _Slice(
+                begin,
+                end,
+                {"taylor": lane_workspace(), "radau": np.empty((1, ROWS, WIDTH))},
+                aligned_zeros(2, settings.features + 1, LANES),
+            )
+            for begin, end in pairwise(ends)
+        ]
+        self._crawlers_of_a_call = LANES * max(1, int(_TIME_OF_A_CALL / settings.hold) // LANES)
+        self._interrupted = False
+        self._executor: ThreadPoolExecutor | None = None
+        self._process = os.getpid()
+        self._names: Sequence[int] | NDArray[np.int64] = range(count)  # in messages
+
+    def begin(
+        self, mask: NDArray[np.bool_], seeds: Sequence[int | None], choices: Sequence[Choice] | None = None
+    ) -> None:
+        """Start the episodes of the crawlers in the mask.
+
+        Parameters
+        ----------
+        mask : (crawlers,) array of bool
+        seeds : (crawlers,) sequence
+            None goes on with the random numbers as they come.
+        choices : (crawlers,) sequence, optional
+            What is settled of the crawlers of these episodes.
+
+        Raises
+        ------
+        SolverError
+            If a motion diverges while its memory readout is calibrated.
+        """
+        for i in np.flatnonzero(mask).tolist():
+            if seeds[i] is not None:
+                self.draw_from(i, *seeding.np_random(seeds[i]))
+        self.want_generators()
+        self._calibrate()
+        self.begin_again(mask, choices)
+
+    def want_generators(self) -> None:
+        """Give a generator, seeded by chance, to each crawler that has none."""
+        for i, generator in enumerate(self.generators):
+            if generator is None:
+                self.draw_from(i, *seeding.np_random())
+
+    def draw_from(self, i: int, generator: np.random.Generator, seed: int | None) -> None:
+        """Let the random numbers of a crawler come from a generator: one for what is drawn of it, one a step."""
+        self.generators[i], self.seeds[i] = generator, seed
+        if self._settings.dither > 0.0:
+            self.batch.generators[:, i] = whereabouts(generator)
+
+    def begin_again(self, mask: NDArray[np.bool_], choices: Sequence[Choice] | None = None) -> None:
+        """Start further episodes of the crawlers in the mask."""
+        unsettled = mask & (self._strange | (self._solvers == ""))
+        if self._settings.randomize or choices is not None or np.count_nonzero(unsettled):
+            self._draw(np.flatnonzero(mask).tolist(), choices)
+        self.batch.bodies[:, : len(mask)][:, mask] = 0.0
+        self.batch.steps[mask] = 0
+        self.results.observations[mask] = 0.0
+        self.results.numbers[: len(NUMBERS), mask] = 0.0
+        self.results.counts[:, mask] = 0
+        if self._readouts is not None:
+            forget(self._readouts, mask)
+
+    def step(self, commands: NDArray[np.int64], idle: NDArray[np.bool_]) -> None:
+        """Step all but the idle, and write down the results.
+
+        Parameters
+        ----------
+        commands : (crawlers,) array
+            Each 0 or 1.
+        idle : (crawlers,) array of bool
+
+        Raises
+        ------
+        SolverError
+            If a motion diverges.
+        """
+        self._interrupted = False
+        first, *rest = self._slices
+        others = [self._threads().submit(self._step_slice, commands, idle, each) for each in rest]
+        try:
+            self._step_slice(commands, idle, first)
+        except BaseException:
+            self._interrupted = True
+            raise
+        finally:
+            if others:
+                wait(others)  # however this ends, nobody steps any more when it has
+        for other in others:
+            other.result()
+        if np.count_nonzero(self.results.statuses):
+            failed = np.flatnonzero(self.results.statuses)
+            raise self._error(int(failed[0]))
+
+    def frame(self, i: int) -> Frame:
+        """What a picture of crawler `i` shows."""
+        steps, told = int(self.batch.steps[i]), self.results
+        if steps == 0:
+            return Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
+        body = Body(*self.batch.bodies[:, i].tolist())
+        speed = float(told.numbers[NUMBERS.index("speed"), i])
+        return Frame(
+            steps * self._settings.hold,
+            body.deformation,
+            body.pressure,
+            body.foot,
+            int(body.motion),
+            speed != 0.0,
+            int(told.counts[COUNTS.index("valve"), i]),
+            speed,
+            None if self._readouts is None else float(told.numbers[NUMBERS.index("memory"), i]),
+        )
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._executor is not None and self._process == os.getpid():
+            self._executor.shutdown()
+        self._executor = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Threads cannot be copied; the copy starts its own.
+        return {**self.__dict__, "_executor": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for i, generator in enumerate(self.generators):  # which lie elsewhere than those copied
+            if generator is not None:
+                self.draw_from(i, generator, self.seeds[i])
+
+    def _draw(self, indices: list[int], choices: Sequence[Choice] | None) -> None:
+        """Settle who crawls where in the episodes to come."""
+        crawlers = []
+        for i in indices:
+            kind = self._kinds[self._kind[i]]
+            crawlers.append(kind.draw(self.generators[i], *(() if choices is None else (choices[i],))))
+            self._strange[i] = choices is not None
+        self._settle(indices, crawlers)
+
+    def _settle(self, indices: list[int], crawlers: Sequence[tuple[Groups, Scene]]) -> None:
+        """Let these crawlers be others, each solved by what solves it best."""
+        settings = self._settings
+        if self._alike and self._strange.any():
+            self._alike = False
+            if self._tables is not None:
+                self._tables = np.repeat(self._tables, len(self._kind), axis=0)
+        solving: dict[tuple[Groups, Scene], Stepper] = {}
+        for i, crawler in zip(indices, crawlers, strict=True):
+            if crawler not in solving:
+                solving[crawler] = stepper_for(settings, *crawler)
+            stepper = solving[crawler]
+            groups, slope = crawler[0].to_dict(), crawler[1].slope
+            self.crawlers[i], self.named[i] = crawler, (groups, slope)
+            self.results.numbers[len(NUMBERS) :, i] = *groups.values(), slope
+            self.batch.coefficients[:, i] = stepper.fixed[: len(self.batch.coefficients)]
+            self._solvers[i] = stepper.solver
+            if stepper.solver == "closed_form":
+                places = 1 if self._alike else len(self._kind)
+                if self._tables is None:
+                    self._tables = np.zeros((places, *stepper.workspace.shape))
+                self._tables[i % places] = stepper.workspace
+        names = sorted(set(self._solvers.tolist()) - {""})  # which have none yet
+        self._methods = [
+            (name, None if len(names) == 1 else self._solvers != name, SOLVERS[name].control(settings.tolerance))
+            for name in names
+        ]
+
+    def save(self, i: int, over: bool, generator: bool) -> CrawlerState:
+        """State of crawler `i`, as it is known from outside whether its episode is over."""
+        groups, scene = self.crawlers[i]
+        return CrawlerState(
+            self.settings_of_each[i],
+            groups,
+            scene,
+            self.batch.bodies[:, i].copy(),
+            int(self.batch.steps[i]),
+            np.array([*self.results.numbers[: len(NUMBERS), i], *self.results.counts[:, i]]),
+            () if self._readouts is None else packed(self._readouts, i),
+            over,
+            deepcopy(self.generators[i]) if generator else None,
+            self.seeds[i] if generator else None,
+        )
+
+    def restore(self, states: Sequence[CrawlerState | None]) -> None:
+        """Let each crawler go on from its state, if it has one."""
+        self._calibrate()
+        self.want_generators()
+        whose: dict[int, list[int]] = {}  # many may branch from one
+        others: dict[int, tuple[Groups, Scene]] = {}  # who are to be others than they are
+        for i, state in enumerate(states):
+            if state is not None:
+                whose.setdefault(id(state), []).append(i)
+                crawler, kind = (state.groups, state.scene), self._kinds[self._kind[i]]
+                self._strange[i] = crawler != (kind.groups, kind.scene)
+                if self._solvers[i] == "" or self.crawlers[i] != crawler:
+                    others[i] = crawler
+        self._settle(list(others), list(others.values()))
+        for indices in whose.values():
+            state = states[indices[0]]
+            assert state is not None
+            self.batch.bodies[:, indices] = state.body[:, np.newaxis]
+            self.batch.steps[indices] = state.steps
+            self.results.observations[indices] = observation_of(state)
+            self.results.numbers[: len(NUMBERS), indices] = state.told[: len(NUMBERS), np.newaxis]
+            self.results.counts[:, indices] = state.told[len(NUMBERS) :, np.newaxis]
+            if self._readouts is not None:
+                unpack(self._readouts, indices, state.readout, state.steps)
+            if state.generator is not None:
+                for i in indices:
+                    self.draw_from(i, deepcopy(state.generator), state.seed)
+
+    @property
+    def settings_of_each(self) -> list[Settings]:
+        """Arguments of each crawler."""
+        return self._kinds_of(range(len(self._kind)))
+
+    def _kinds_of(self, indices: Sequence[int]) -> list[Settings]:
+        return [self._kinds[k] for k in self._kind[list(indices)].tolist()]
+
+    def _calibrate(self) -> None:
+        if self._readouts is None and self._settings.dither > 0.0:
+            states = _calibration_states(self._kinds, np.unique(self._kind, return_index=True)[1])
+            memories = [calibrated_memory(kind, seen) for kind, seen in zip(self._kinds, states, strict=True)]
+            self._readouts = readouts_of(memories, self._kind)
+
+    def _threads(self) -> ThreadPoolExecutor:
+        if self._executor is None or self._process != os.getpid():  # a forked process has none of its parent's threads
+            self._executor = ThreadPoolExecutor(len(self._slices) - 1, "stickslip")
+            self._process = os.getpid()
+        return self._executor
+
+    def _step_slice(self, commands: NDArray[np.int64], idle: NDArray[np.bool_], part: _Slice) -> None:
+        # An interrupt is heard between two calls of compiled code.
+        for begin in range(part.begin, part.end, self._crawlers_of_a_call):
+            if self._interrupted:
+                return
+            end = min(begin + self._crawlers_of_a_call, part.end)
+            for k, (name, others, control) in enumerate(self._methods):
+                STEP_BATCH[type(control.method)](
+                    begin,
+                    end,
+                    k == 0,
+                    k == len(self._methods) - 1,
+                    commands,
+                    idle,
+                    idle if others is None else idle | others,
+                    self.batch,
+                    self._readouts,
+                    self._reward,
+                    control.tolerance,
+                    control.order,
+                    control.max_steps,
+                    self._tables if name == "closed_form" else part.workspaces[name],
+                    part.scratch,
+                    self.results,
+                )
+
+    def _error(self, i: int) -> SolverError:
+        """Why the first crawler that failed did."""
+        began = float(self.batch.steps[i] * self._settings.hold)
+        reached = began + float(self.results.elapsed[i])
+        # Those told are of the step before.
+        gained = int(self.batch.bodies[SLIPS, i]) - int(self.results.counts[COUNTS.index("slips"), i])
+        deformation = float(self.batch.bodies[0, i])
+        status, tolerance, solver = int(self.results.statuses[i]), self._settings.tolerance, str(self._solvers[i])
+        groups, scene = self.crawlers[i]
+        error = solver_error(status, reached, deformation, MAX_STEPS, groups, scene, tolerance, solver, gained, began)
+        return SolverError(f"sub-environment {self._names[i]}: {error}")
+
+
+def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> NDArray[np.float64]:
+    """States of the bodies under the calibration's valves, from rest, shape (kinds, holds, features).
+
+    An error names a sub-environment of the kind.
+    """
+    settings, count = kinds[0], len(kinds)
+    fleet = Fleet([replace(kind, randomize={}) for kind in kinds], np.arange(count), 1, 1)
+    fleet._names = names
+    # With readouts, though blank, the kernel is the one that is compiled for the episodes.
+    fleet._readouts = blank_readouts(count, settings.delays, settings.features + 1, 1.0)
+    fleet.begin(np.ones(count, np.bool_), [0] * count)
+    fleet.batch.generators[:] = 0  # which flip none
+    valves = calibration_valves(settings)
+    states = np.empty((count, len(valves), settings.features))
+    idle = np.zeros(count, np.bool_)
+    for k, valve in enumerate(valves.tolist()):
+        fleet.step(np.full(count, valve), idle)
+        states[:, k] = fleet.batch.samples.reshape(settings.features, -1)[:, :count].T
+    return states

@@ -1,0 +1,240 @@
+"""One step of many crawlers: compiled, in structures of arrays, eight crawlers side by side."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..compiling.compilation import compiled, merged
+from ..compiling.generators import next_uniform
+from ..compiling.vectors import aligned_zeros, LANES
+from ..crawler import Groups
+from ..crawler.batch.advance import advance_lanes
+from ..crawler.model.state import Body, FOOT, Physics, SLIPS
+from ..crawler.steps.options import Control, FINISHED, Method, METHODS
+from ..reservoir.prequential_lanes import Readouts, score_lanes
+from .settings import COUNTS, NUMBERS
+
+__all__ = ["STEP_BATCH", "Batch", "Results", "Reward", "batch_of"]
+
+_SPEED, _MEMORY, _DISTANCE, _INNOVATION = range(len(NUMBERS))
+_VALVE, _SLIPS_SO_FAR = range(len(COUNTS))
+Array = NDArray[np.float64]
+
+
+class Batch(NamedTuple):
+    """State of n crawlers; `width` is n rounded up to whole blocks of LANES."""
+
+    bodies: Array  # (7, width): the fields of `Body`
+    coefficients: Array  # (11, width): the fields of `Physics`
+    samples: Array  # (3, samples, width): z, v, p in the last hold
+    generators: NDArray[np.uint64]  # (2, n): where the random numbers come from, see `stickslip.compiling.generators`
+    valves: NDArray[np.int64]  # (width,): in the last hold
+    starts: Array  # (width,): where the foot was before it
+    scores: Array  # (width,): innovations, then what they earned
+    steps: NDArray[np.int64]  # (n,): of the episode
+
+
+class Results(NamedTuple):
+    """What a step answers, each of n."""
+
+    observations: NDArray[np.float32]  # (n, 5)
+    rewards: Array
+    truncations: NDArray[np.bool_]
+    numbers: Array  # (NUMBERS, the groups and the slope, n)
+    counts: NDArray[np.int64]  # (COUNTS, n)
+    statuses: NDArray[np.int8]
+    elapsed: Array
+
+
+class Reward(NamedTuple):
+    """What the reward is made of, the same for all."""
+
+    hold: float
+    dither: float
+    memory_weight: float
+    longest: int  # steps of an episode
+
+
+def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
+    """A batch of crawlers, and a place for its results, all zero."""
+    width = -(-count // LANES) * LANES
+    batch = Batch(
+        aligned_zeros(len(Body._fields), width),
+        aligned_zeros(len(Physics._fields), width),
+        aligned_zeros(3, samples, width),
+        np.zeros((2, count), np.uint64),
+        np.zeros(width, np.int64),
+        aligned_zeros(width),
+        aligned_zeros(width),
+        np.zeros(count, np.int64),
+    )
+    results = Results(
+        np.zeros((count, 5), np.float32),
+        np.zeros(count),
+        np.zeros(count, np.bool_),
+        np.zeros((len(NUMBERS) + len(Groups.__slots__) + 1, count)),
+        np.zeros((len(COUNTS), count), np.int64),
+        np.zeros(count, np.int8),
+        np.zeros(count),
+    )
+    return batch, results
+
+
+@merged
+def _step_batch(
+    method: Method,
+    begin: int,
+    end: int,
+    opens: bool,
+    closes: bool,
+    commands: NDArray[np.int64],
+    idle: NDArray[np.bool_],
+    skipped: NDArray[np.bool_],
+    batch: Batch,
+    readouts: Readouts | None,
+    reward: Reward,
+    tolerance: float,
+    order: int,
+    max_steps: int,
+    workspaces: Array,
+    scratch: Array,
+    results: Results,
+) -> None:
+    """Hold the valves of a slice of the batch for one step, in place.
+
+    Parameters
+    ----------
+    method : Method
+        Of the crawlers that are not `skipped`.
+    begin, end : int
+        The slice, which begins a block of LANES.
+    opens, closes : bool
+        Whether this is the first, and the last, of the methods that the slice needs.
+    commands : (n,) array
+        0 or 1.
+    idle : (n,) array
+        Crawlers that sit the step out, whose results are those of a reset.
+    skipped : (n,) array
+        Crawlers that this method does not move: the idle ones, and those of other methods.
+    batch : Batch
+    readouts : Readouts or None
+        None where the dither is 0: there is no message, and nothing to score.
+    reward : Reward
+    tolerance, order, max_steps
+        As in `Control`.
+    workspaces : array
+        As `advance_lanes` wants them.
+    scratch : (2, features + 1, LANES) array
+    results : Results
+        Where a status is not FINISHED the rest is of the step before, and does not count.
+    """
+    hold, dither = reward.hold, reward.dither
+    if opens:
+        for i in range(begin, end):
+            batch.scores[i] = 0.0
+            results.statuses[i] = FINISHED
+            if idle[i]:
+                continue
+            valve = commands[i]
+            function, generator = batch.generators[0, i], batch.generators[1, i]
+            if function != 0 and next_uniform(function, generator) < dither:
+                valve = 1 - valve
+            batch.valves[i] = valve
+            batch.starts[i] = batch.bodies[FOOT, i]
+            batch.scores[i] = valve - abs(commands[i] - dither)
+            results.numbers[_INNOVATION, i] = batch.scores[i]
+    control = Control(tolerance, order, max_steps, False, False, False, method)
+    advance_lanes(
+        batch.bodies,
+        batch.coefficients,
+        batch.valves,
+        skipped,
+        begin,
+        end,
+        hold,
+        control,
+        batch.samples,
+        workspaces,
+        results.statuses,
+        results.elapsed,
+    )
+    if not closes:
+        return
+    width = batch.bodies.shape[1]
+    if readouts is not None:
+        for block in range(begin // LANES, (end + LANES - 1) // LANES):
+            score_lanes(readouts, block, batch.samples, block * LANES, width, batch.scores, scratch)
+    for i in range(begin, end):
+        if idle[i]:
+            results.observations[i] = 0.0
+            results.rewards[i] = 0.0
+            results.truncations[i] = False
+            continue
+        if results.statuses[i] != FINISHED:
+            continue
+        foot = batch.bodies[FOOT, i]
+        speed = (foot - batch.starts[i]) / hold
+        memory = batch.scores[i] if readouts is not None else 0.0
+        observation = results.observations[i]
+        observation[0] = batch.bodies[0, i]
+        observation[1] = batch.bodies[1, i]
+        observation[2] = batch.bodies[2, i]
+        observation[3] = batch.bodies[4, i]
+        observation[4] = batch.valves[i]
+        batch.steps[i] += 1
+        results.rewards[i] = (1.0 - reward.memory_weight) * speed + reward.memory_weight * memory
+        results.truncations[i] = batch.steps[i] >= reward.longest
+        results.numbers[_SPEED, i] = speed
+        results.numbers[_MEMORY, i] = memory
+        results.numbers[_DISTANCE, i] = foot
+        results.counts[_VALVE, i] = batch.valves[i]
+        results.counts[_SLIPS_SO_FAR, i] = int(batch.bodies[SLIPS, i])
+
+
+def _stepper(method: type[Method]) -> Callable[..., None]:
+    # A method cannot be an argument from Python: its type is what the kernel is compiled for.
+    @compiled
+    def step_batch(
+        begin: int,
+        end: int,
+        opens: bool,
+        closes: bool,
+        commands: NDArray[np.int64],
+        idle: NDArray[np.bool_],
+        skipped: NDArray[np.bool_],
+        batch: Batch,
+        readouts: Readouts | None,
+        reward: Reward,
+        tolerance: float,
+        order: int,
+        max_steps: int,
+        workspaces: Array,
+        scratch: Array,
+        results: Results,
+    ) -> None:
+        _step_batch(
+            method(),
+            begin,
+            end,
+            opens,
+            closes,
+            commands,
+            idle,
+            skipped,
+            batch,
+            readouts,
+            reward,
+            tolerance,
+            order,
+            max_steps,
+            workspaces,
+            scratch,
+            results,
+        )
+
+    return step_batch
+
+
+STEP_BATCH = {method: _stepper(method) for method in METHODS}

@@ -1,0 +1,246 @@
+"""The solver behind plain arrays.
+
+A named tuple costs microseconds to carry across the border between Python and compiled code, many times the physics
+of a hold; an array costs a fraction of one.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..compiling.compilation import compiled, merged
+from ..compiling.generators import next_uniform
+from ..crawler.drive import advance_by_method
+from ..crawler.model.groups import Groups
+from ..crawler.model.scene import Scene
+from ..crawler.model.state import Body, FOOT, NOTHING_YET, Physics, physics, SLIPS
+from ..crawler.refusals import solver_error
+from ..crawler.solvers import AUTO, choose
+from ..crawler.steps.options import Control, FINISHED, MAX_STEPS, Method, METHODS
+from ..reservoir.prequential import score
+from .calibration import calibration_valves
+from .settings import Settings
+
+__all__ = ["NO_MEMORY", "TOLD", "TOLD_OF_STATE", "Stepper", "calibration_states", "rest", "stepper_for"]
+
+_BODY = len(Body._fields)
+_HOLD, _TOLERANCE, _ORDER, _MAX_STEPS, _DITHER, _WEIGHT, _VARIANCE = range(
+    len(Physics._fields), len(Physics._fields) + 7
+)
+_SPEED, _MEMORY, _DISTANCE, _INNOVATION, _REWARD, _VALVE, _SLIPS_SO_FAR, _ELAPSED = range(8)
+
+TOLD = 8
+"""Numbers that a step writes down."""
+
+TOLD_OF_STATE = [_SPEED, _MEMORY, _DISTANCE, _INNOVATION, _VALVE, _SLIPS_SO_FAR]
+"""Those of them that are told, in the order of NUMBERS and COUNTS."""
+
+NO_MEMORY = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
+"""Arrays of a readout that neither scores nor learns."""
+
+Array = NDArray[np.float64]
+
+
+class Stepper(NamedTuple):
+    """How one crawler is stepped, and what stays the same from step to step."""
+
+    step: Callable[..., int]
+    fixed: Array  # the fields of `Physics`, hold, tolerance, order, step budget, dither, memory weight and Var e
+    workspace: Array
+    solver: str
+
+
+def rest() -> Array:
+    """State of a crawler at rest: the fields of `Body` in order, shape (7,)."""
+    return np.zeros(_BODY)
+
+
+def stepper_for(settings: Settings, groups: Groups, scene: Scene) -> Stepper:
+    """The cheapest way to step a crawler, hold by hold."""
+    coefficients = physics(groups, scene)
+    solver = choose(AUTO, groups, scene, settings.hold, settings.tolerance)
+    control = solver.control(settings.tolerance)
+    numbers = settings.hold, control.tolerance, control.order, control.max_steps
+    return Stepper(
+        _STEP[type(control.method)],
+        np.array([*coefficients, *numbers, settings.dither, settings.memory_weight, settings.variance]),
+        solver.workspace(coefficients, settings.hold, settings.samples),
+        solver.name,
+    )
+
+
+def calibration_states(settings: Settings) -> Array:
+    """States of the body under the calibration's valves, from rest, shape (holds, features).
+
+    Raises
+    ------
+    SolverError
+        If the motion diverges.
+    """
+    valves = calibration_valves(settings)
+    groups, scene = settings.groups, settings.scene
+    step, fixed, workspace, solver = stepper_for(settings, groups, scene)
+    body, observation, told = rest(), np.empty(5, np.float32), np.zeros(TOLD)
+    samples = np.empty((5, settings.samples))
+    states = np.empty((len(valves), settings.features))
+    for k, valve in enumerate(valves.tolist()):
+        status = step(body, fixed, valve, 0, 0, samples, workspace, observation, told, *NO_MEMORY, 0)
+        if status != FINISHED:
+            began, crawler = k * settings.hold, (groups, scene, settings.tolerance)
+            reached, gained = began + float(told[_ELAPSED]), int(body[SLIPS] - told[_SLIPS_SO_FAR])
+            raise solver_error(status, reached, float(body[0]), MAX_STEPS, *crawler, solver, gained, began)
+        states[k] = samples[:3].reshape(-1)
+    return states
+
+
+@merged
+def _step(
+    method: Method,
+    body: Array,
+    fixed: Array,
+    command: int,
+    function: int,
+    generator: int,
+    samples: Array,
+    workspace: Array,
+    observation: NDArray[np.float32],
+    told: Array,
+    weights: Array,
+    covariance: Array,
+    history: Array,
+    rows: Array,
+    seen: int,
+) -> int:
+    """Hold the valve of one crawler as commanded, or flipped, for one hold, in place.
+
+    Parameters
+    ----------
+    method : Method
+    body : (7,) array
+        From :func:`rest`; updated.
+    fixed : array
+        From :func:`stepper_for`.
+    command : int
+        0 or 1.
+    function, generator : int
+        Where the random numbers come from, see `stickslip.compiling.generators`; 0 flips no command.
+    samples : (5, virtual_nodes) array
+        Receives z, v, p, x, w.
+    workspace : array
+        From :func:`stepper_for`.
+    observation : (5,) array of float32
+        Receives z, v, p, w and the valve.
+    told : (TOLD,) array
+        Receives speed, memory, distance, innovation, reward, valve, slips and the time into the hold that was reached.
+    weights, covariance, history, rows, seen
+        As `stickslip.reservoir.prequential.score` wants them; of length 0 where there is no message.
+
+    Returns
+    -------
+    int
+        The status, as in `stickslip.crawler.steps.options`. If it is not FINISHED only the time
+        reached is told.
+    """
+    dither = fixed[_DITHER]
+    valve = command
+    if function != 0 and next_uniform(np.uint64(function), np.uint64(generator)) < dither:
+        valve = 1 - command
+    start = body[FOOT]
+    outcome = advance_by_method(
+        Body(body[0], body[1], body[2], body[3], body[4], int(body[5]), int(body[6])),
+        NOTHING_YET,
+        Physics(
+            fixed[0],
+            fixed[1],
+            fixed[2],
+            fixed[3],
+            fixed[4],
+            fixed[5],
+            fixed[6],
+            fixed[7],
+            fixed[8],
+            fixed[9] != 0.0,
+            fixed[10] != 0.0,
+        ),
+        float(valve),
+        fixed[_HOLD],
+        Control(fixed[_TOLERANCE], int(fixed[_ORDER]), int(fixed[_MAX_STEPS]), False, False, False, method),
+        0.0,
+        samples,
+        workspace[:0],
+        workspace,
+    )
+    after = outcome.body
+    body[0] = after.deformation
+    body[1] = after.velocity
+    body[2] = after.pressure
+    body[3] = after.foot
+    body[4] = after.foot_velocity
+    body[5] = after.motion
+    body[6] = after.slips
+    observation[0] = after.deformation
+    observation[1] = after.velocity
+    observation[2] = after.pressure
+    observation[3] = after.foot_velocity
+    observation[4] = valve
+    told[_ELAPSED] = outcome.elapsed
+    if outcome.status != FINISHED:
+        return outcome.status
+    speed = (after.foot - start) / fixed[_HOLD]
+    innovation = valve - abs(command - dither)
+    memory = 0.0
+    if len(weights) > 0:
+        memory = score(weights, covariance, history, rows, seen, samples, innovation, fixed[_VARIANCE])
+    told[_SPEED] = speed
+    told[_MEMORY] = memory
+    told[_DISTANCE] = after.foot
+    told[_INNOVATION] = innovation
+    told[_REWARD] = (1.0 - fixed[_WEIGHT]) * speed + fixed[_WEIGHT] * memory
+    told[_VALVE] = valve
+    told[_SLIPS_SO_FAR] = after.slips
+    return outcome.status
+
+
+def _stepper(method: type[Method]) -> Callable[..., int]:
+    # A method cannot be an argument from Python: it would cost more than the physics.
+    @compiled
+    def step(
+        body: Array,
+        fixed: Array,
+        command: int,
+        function: int,
+        generator: int,
+        samples: Array,
+        workspace: Array,
+        observation: NDArray[np.float32],
+        told: Array,
+        weights: Array,
+        covariance: Array,
+        history: Array,
+        rows: Array,
+        seen: int,
+    ) -> int:
+        return _step(
+            method(),
+            body,
+            fixed,
+            command,
+            function,
+            generator,
+            samples,
+            workspace,
+            observation,
+            told,
+            weights,
+            covariance,
+            history,
+            rows,
+            seen,
+        )
+
+    return step
+
+
+_STEP = {method: _stepper(method) for method in METHODS}

@@ -1,0 +1,120 @@
+"""What a benchmark has finished, kept on disk attempt by attempt so that a crash loses nothing."""
+
+import json
+import re
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from ...common.files import atomically
+from ...common.fingerprint import described, refuse_other
+from .attempts import Attempt
+
+__all__ = ["SHOWN", "Record", "Records"]
+
+_GROWING = ("tasks", "reservoirs")
+
+SHOWN = 120
+"""Held-out samples of each prediction that are kept for figures."""
+
+
+class Record(NamedTuple):
+    """What is kept of an attempt.
+
+    Attributes
+    ----------
+    task, reservoir : str
+    seed : int
+    score : float
+    details : dict
+        What else was measured, ready for JSON: of memory the profile, its cutoffs and bound; of a series the first
+        held-out samples of prediction and target.
+    """
+
+    task: str
+    reservoir: str
+    seed: int
+    score: float
+    details: dict[str, Any]
+
+    @classmethod
+    def of(cls, attempt: Attempt) -> Self:
+        """The record of an attempt."""
+        solution = attempt.solution
+        details = dict(solution.details or {})
+        if solution.memory is not None:
+            memory = solution.memory
+            details |= {
+                "profile": memory.profile.tolist(),
+                "cutoff": np.asarray(memory.cutoff).tolist(),
+                "bound": memory.bound,
+            }
+        if solution.prediction is not None and solution.target is not None:
+            details["prediction"] = solution.prediction[:SHOWN].tolist()
+            details["target"] = solution.target[:SHOWN].tolist()
+        return cls(attempt.task, attempt.reservoir, attempt.seed, solution.score, details)
+
+
+class Records:
+    """A folder of records, one file each, beside the settings that they were made with.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it is missing.
+    settings : mapping
+        What must be equal for records to belong together, as in `stickslip.common.fingerprint`. Under "tasks" and
+        "reservoirs" names may be added, and what they name must be equal where the folder has it already.
+    resume : bool
+        Whether to go on from what the folder holds.
+
+    Raises
+    ------
+    ValueError
+        If the folder holds records and is not to be resumed, or they were made with other settings.
+    """
+
+    def __init__(self, folder: Path, settings: Mapping[str, Any], *, resume: bool = False) -> None:
+        self._folder = folder
+        wanted = described(settings)
+        kept = folder / "settings.json"
+        if kept.exists() and (resume or self._files()):
+            if not resume:
+                raise ValueError(f"{folder.parent} holds a run already: resume it, or choose another folder")
+            found = json.loads(kept.read_text(encoding="utf-8"))
+            refuse_other(f"to go on with the run in {folder.parent}", found, wanted, growing=_GROWING)
+            wanted |= {name: {**found[name], **wanted[name]} for name in _GROWING if name in wanted}
+            if wanted == found:
+                return
+        folder.mkdir(parents=True, exist_ok=True)
+        _write(kept, wanted)
+
+    def keep(self, attempt: Attempt) -> Record:
+        """Write the record of an attempt, whole or not at all."""
+        record = Record.of(attempt)
+        _write(self._folder / _file_name(record), record._asdict())
+        return record
+
+    def load(self) -> dict[tuple[str, str, int], Record]:
+        """All records in the folder, by task, reservoir and seed."""
+        records = [Record(**json.loads(file.read_text(encoding="utf-8"))) for file in self._files()]
+        return {(record.task, record.reservoir, record.seed): record for record in records}
+
+    def _files(self) -> list[Path]:
+        # One that starts with a dot was being written when its process was killed.
+        return sorted(self._folder.glob("[!.]*-*.json"))
+
+
+def _file_name(record: Record) -> str:
+    # Names are anyone's choice; the digest tells apart what the readable part does not.
+    readable = re.sub(r"[^A-Za-z0-9]+", "-", f"{record.task} {record.reservoir}").strip("-").lower()
+    digest = sha256(json.dumps([record.task, record.reservoir]).encode()).hexdigest()[:8]
+    return f"{readable[:80]}-{digest}-{record.seed}.json"
+
+
+def _write(path: Path, content: Mapping[str, Any]) -> None:
+    text = json.dumps(content) + "\n"
+    atomically(path, lambda unfinished: unfinished.write_text(text, encoding="utf-8"))

@@ -1,0 +1,52 @@
+"""Scores are made with one thread of BLAS, and what the caller had is left as it was."""
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from stickslip.studies.benchmark import run_benchmark
+from stickslip.studies.search import held_out_scores, Range, search, Space
+from stickslip.tasks import Solution
+from stickslip.tasks.task import NRMSE
+
+
+class Watching:
+    """A task that scores nothing and sees the threads that BLAS may use."""
+
+    metric = NRMSE
+
+    def __init__(self):
+        self.seen = set()
+
+    def attempt(self, reservoir, *, length, seed, washout):
+        self.seen |= threads()
+        return Solution(float(seed))
+
+
+def threads():
+    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+
+def reservoir(series, seed):
+    return np.zeros((len(series), 1))
+
+
+@pytest.mark.parametrize(
+    "work",
+    [
+        lambda task: run_benchmark(tasks={"watching": task}, reservoirs={"none": reservoir}, seeds=[0]),
+        lambda task: held_out_scores(task, reservoir, [0, 1]),
+        lambda task: search(task, Space({"x": Range(0, 1)}, lambda values: reservoir), evaluations=2, finalists=1),
+    ],
+    ids=["run_benchmark", "held_out_scores", "search"],
+)
+def test_blas_has_one_thread(work):
+    import scipy.linalg  # noqa: F401
+
+    task = Watching()
+    with threadpool_limits(2, user_api="blas"):
+        before = threads()
+        work(task)
+        assert threads() == before
+    assert task.seen == {1}
+    assert before == {2}

@@ -1,0 +1,194 @@
+"""Kernels compile as they should, say so, and come back from disk only where they are what the sources say."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from stickslip.compiling.compilation import compiled
+
+OUTER = """
+from stickslip.compiling.compilation import compiled
+from .inner import shift
+
+@compiled
+def moved(x):
+    return shift(x)
+"""
+INNER = """
+from stickslip.compiling.compilation import compiled
+from .constants import STEP
+
+@compiled
+def shift(x):
+    return x + STEP
+"""
+ASK = """
+from crawl.outer import moved
+print(moved(1.0), *moved.stats.cache_hits.values(), sep=",")
+"""
+
+
+def halve(x):
+    return x / 2.0
+
+
+def invert(x):
+    return 1.0 / x
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A package with one kernel that calls another, which takes a constant from a third module."""
+    folder = tmp_path / "crawl"
+    folder.mkdir()
+    for name, text in (("__init__", ""), ("outer", OUTER), ("inner", INNER), ("constants", "STEP = 1.0\n")):
+        (folder / f"{name}.py").write_text(text)
+    return folder
+
+
+def ask(package, code=ASK, **environment):
+    """Run code in a process of its own; what it printed, and what it said on stderr."""
+    variables = {
+        "NUMBA_CACHE_DIR": str(package.parent / "kept"),
+        "PYTHONPATH": str(package.parent),
+    } | environment
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=os.environ | variables, capture_output=True, text=True, timeout=300
+    )
+    return done.stdout.strip(), done.stderr.strip()
+
+
+def kept_in(package):
+    return sorted((package.parent / "kept").rglob("*.nbc"))
+
+
+def test_a_kernel_gives_what_the_function_gives():
+    assert compiled(halve)(3.0) == 1.5
+
+
+def test_division_by_zero_is_numpys():
+    assert compiled(invert)(0.0) == float("inf")
+
+
+def test_a_kernel_is_compiled_once_and_says_so(package):
+    answer, said = ask(package)
+    assert answer == "2.0"
+    (line,) = said.splitlines()
+    assert line.startswith(
+        "stickslip: compiling kernels, up to a minute, once; kept in " + str(package.parent / "kept")
+    )
+    assert len(kept_in(package)) == 2
+    assert ask(package) == ("2.0,1", "")
+
+
+def test_an_edited_callee_is_compiled_anew(package):
+    ask(package)
+    constants, inner = package / "constants.py", package / "inner.py"
+    as_it_was = constants.read_text()
+    constants.write_text("STEP = 2.5\n")
+    answer, said = ask(package)
+    assert answer == "3.5"
+    assert "compiling" in said
+    inner.write_text(INNER.replace("x + STEP", "x + STEP + STEP"))
+    assert ask(package)[0] == "6.0"
+    # As it was, and though its time tells nothing.
+    constants.write_text(as_it_was)
+    os.utime(constants, (1, 1))
+    assert ask(package)[0] == "3.0"
+    assert len(kept_in(package)) == 2
+
+
+def test_a_module_edited_since_it_was_imported_is_not_kept(package):
+    edit = f"""
+import crawl.outer, pathlib, time, os
+file = pathlib.Path({str(package / "inner.py")!r})
+file.write_text(file.read_text().replace("x + STEP", "x - STEP"))
+"""
+    answer, said = ask(package, edit + ASK)
+    assert answer == "2.0"
+    assert kept_in(package) == []
+    assert "edited after they were imported" in said
+    assert "can be written" not in said
+    assert ask(package)[0] == "0.0"
+
+
+LATE = "import time; now = time.time; time.time = lambda: now() - 1e6\n"
+FUTURE = 4e9
+
+
+@pytest.mark.parametrize("clock", ["", LATE])
+def test_sources_dated_in_the_future_are_kept(package, clock):
+    if not clock:
+        for file in package.glob("*.py"):
+            os.utime(file, (FUTURE, FUTURE))
+    answer, said = ask(package, clock + ASK)
+    assert answer == "2.0"
+    assert "once; kept in" in said
+    assert ask(package, clock + ASK) == ("2.0,1", "")
+    (package / "constants.py").write_text("STEP = 2.5\n")
+    assert ask(package, clock + ASK)[0] == "3.5"
+
+
+@pytest.mark.parametrize("date", [1.0, FUTURE])
+def test_an_edit_that_is_dated_otherwise_is_not_kept(package, date):
+    edit = f"""
+import crawl.outer, pathlib, os
+file = pathlib.Path({str(package / "constants.py")!r})
+file.write_text("STEP = 7.0")
+os.utime(file, ({date}, {date}))
+"""
+    assert ask(package, edit + ASK)[0] == "2.0"
+    assert kept_in(package) == []
+
+
+def cut_off(file, content, other):
+    file.write_bytes(content[: len(content) // 2])
+
+
+def emptied(file, content, other):
+    file.write_bytes(b"")
+
+
+def anothers(file, content, other):
+    file.write_bytes(other)
+
+
+def with_a_turned_bit(file, content, other):
+    file.write_bytes(content[:-100] + bytes([content[-100] ^ 1]) + content[-99:])
+
+
+def as_a_folder(file, content, other):
+    file.unlink()
+    file.mkdir()
+
+
+def test_a_damaged_file_is_compiled_anew(package):
+    ask(package)
+    for damage in (cut_off, emptied, anothers, with_a_turned_bit, as_a_folder):
+        files = kept_in(package)
+        contents = [file.read_bytes() for file in files]
+        for file, content, other in zip(files, contents, reversed(contents), strict=True):
+            damage(file, content, other)
+        answer, said = ask(package)
+        assert answer == "2.0", damage
+        assert "compiling" in said, damage
+        assert "Traceback" not in said, damage
+
+
+def test_where_nothing_can_be_kept_one_line_says_what_to_set(package):
+    (package.parent / "file").write_text("in the way")
+    answer, said = ask(package, NUMBA_CACHE_DIR=str(package.parent / "file" / "kept"))
+    assert answer == "2.0"
+    (line,) = said.splitlines()
+    assert "in every process" in line
+    assert "set NUMBA_CACHE_DIR" in line
+
+
+def test_without_a_compiler_one_sentence_says_why_not(package):
+    answer, said = ask(package, "from stickslip import simulate", NUMBA_DISABLE_JIT="1")
+    assert answer == ""
+    assert said.splitlines()[-1].startswith(
+        "ImportError: stickslip's kernels run compiled only, got NUMBA_DISABLE_JIT=1"
+    )

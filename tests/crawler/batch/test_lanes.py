@@ -1,0 +1,241 @@
+"""A batch in lanes against the same crawlers one by one: every number, to the last bit."""
+
+import numpy as np
+import pytest
+from cases import crawlers, HUNT
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stickslip.compiling.compilation import compiled
+from stickslip.compiling.vectors import LANES
+from stickslip.crawler import Groups, Scene
+from stickslip.crawler.batch.advance import advance_lanes, lane_workspace
+from stickslip.crawler.drive import advance_by_method
+from stickslip.crawler.model.state import Body, NOTHING_YET, physics
+from stickslip.crawler.solvers import SOLVERS
+from stickslip.crawler.steps.options import DIVERGED, FINISHED, MAX_STEPS, OUT_OF_STEPS, TAYLOR
+from stickslip.crawler.steps.taylor import order_for
+
+SAMPLES = 3
+UNTOUCHED = -9.0
+
+
+@compiled
+def in_lanes(bodies, coefficients, valves, skip, begin, end, hold, control, samples, workspace, statuses, elapsed):
+    advance_lanes(bodies, coefficients, valves, skip, begin, end, hold, control, samples, workspace, statuses, elapsed)
+
+
+@compiled
+def alone(body, physics, valve, hold, control, samples, workspace):
+    return advance_by_method(body, NOTHING_YET, physics, valve, hold, control, 0.0, samples, workspace[:0], workspace)
+
+
+class Batch:
+    """The same crawlers twice: as columns of a batch, and each by itself."""
+
+    def __init__(self, members, bodies=None):
+        n = len(members)
+        self.members = [physics(groups, scene) for groups, scene in members]
+        self.coefficients = np.array(self.members, dtype=np.float64).T.copy()
+        self.bodies = np.zeros((7, n)) if bodies is None else np.array(bodies, dtype=np.float64)
+        self.samples = np.full((3, SAMPLES, n), UNTOUCHED)
+        self.statuses = np.full(n, -1, np.int8)
+        self.elapsed = np.full(n, UNTOUCHED)
+        self.skip = np.zeros(n, bool)
+        self.workspace = lane_workspace()
+
+    def advance(self, valves, hold, control, begin=0, end=None):
+        """Both ways, compared: what is in the slice bit for bit, what is not left as it was."""
+        end = len(self.members) if end is None else end
+        before = [array.copy() for array in self.arrays]
+        valves = np.asarray(valves, np.int8)
+        in_lanes(
+            self.bodies,
+            self.coefficients,
+            valves,
+            self.skip,
+            begin,
+            end,
+            hold,
+            control,
+            self.samples,
+            self.workspace,
+            self.statuses,
+            self.elapsed,
+        )
+        for i, coefficients in enumerate(self.members):
+            bodies, samples, statuses, elapsed = (array[..., i].copy() for array in before)
+            if begin <= i < end and not self.skip[i]:
+                own = np.full((5, SAMPLES), UNTOUCHED)
+                start = Body(*bodies[:5].tolist(), int(bodies[5]), int(bodies[6]))
+                workspace = SOLVERS["taylor"].workspace(coefficients, hold, SAMPLES)
+                outcome = alone(start, coefficients, float(valves[i]), hold, control, own, workspace)
+                bodies, statuses, elapsed = np.array(outcome.body), outcome.status, outcome.elapsed
+                samples = np.where(own[:3] == UNTOUCHED, samples, own[:3])
+            np.testing.assert_array_equal(self.bodies[:, i], bodies, err_msg=f"crawler {i}")
+            np.testing.assert_array_equal(self.samples[..., i], samples, err_msg=f"crawler {i}")
+            assert self.statuses[i] == statuses
+            assert self.elapsed[i] == elapsed
+
+    @property
+    def arrays(self):
+        return self.bodies, self.samples, self.statuses, self.elapsed
+
+
+def taylor(tolerance, max_steps=MAX_STEPS):
+    return SOLVERS["taylor"].control(tolerance, max_steps=max_steps)
+
+
+def spread(rng, low, high):
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def random_members(rng, n):
+    """Crawlers and scenes from all over the ranges, each its own."""
+    members = []
+    for _ in range(n):
+        static = float(rng.choice([0.0, rng.uniform(0.0, 1.0), spread(rng, 1e-3, 1.0)]))
+        groups = Groups(
+            duffing=float(rng.choice([0.0, spread(rng, 1e-2, 1e3)])),
+            damping_ratio=float(rng.choice([0.0, spread(rng, 1e-2, 5.0)])),
+            deborah=spread(rng, 0.01, 10.0),
+            radial_coupling=float(rng.uniform(0.0, 0.9)),
+            foot_mass_fraction=float(rng.uniform(0.05, 0.95)),
+            static_friction=static,
+            kinetic_friction=static * float(rng.choice([0.0, 1.0, rng.uniform()])),
+        )
+        slope = float(rng.choice([0.0, rng.uniform(-0.3, 0.3)]))
+        members.append(
+            (groups, Scene(anchored=bool(rng.random() < 0.2), ratchet=bool(rng.random() < 0.5), slope=slope))
+        )
+    return members
+
+
+scenes = st.builds(Scene, anchored=st.booleans(), ratchet=st.booleans(), slope=st.sampled_from([0.0, 0.1, -0.2]))
+bodies = st.tuples(
+    st.floats(-1.0, 1.0),
+    st.floats(-1.0, 1.0),
+    st.floats(0.0, 1.0),
+    st.sampled_from([0.0, 0.3]),
+    st.sampled_from([0, 1, -1]),
+)
+
+
+@HUNT
+@given(
+    members=st.lists(st.tuples(crawlers, scenes, bodies), min_size=1, max_size=2 * LANES + 3),
+    valves=st.lists(st.integers(0, 1), min_size=3, max_size=3),
+    hold=st.floats(0.05, 3.0),
+    tolerance=st.sampled_from([1e-3, 1e-6, 1e-9, 1e-15]),
+)
+def test_any_crawlers_in_any_motion(members, valves, hold, tolerance):
+    columns = []
+    for _, scene, (z, v, p, speed, motion) in members:
+        motion = 0 if scene.anchored or (scene.ratchet and motion < 0) else motion
+        columns.append([z, v, p, 0.0, motion * speed, motion, 0])
+    batch = Batch([member[:2] for member in members], np.transpose(columns))
+    for k in range(6):
+        batch.advance([valves[(i + k) % 3] for i in range(len(members))], hold, taylor(tolerance))
+
+
+@pytest.mark.parametrize("order", TAYLOR)
+@pytest.mark.parametrize("seed", range(3))
+def test_crawlers_from_anywhere_in_the_ranges(order, seed):
+    rng = np.random.default_rng([order, seed])
+    tolerance = {8: 1e-3, 12: 1e-6, 16: 1e-9, 20: 1e-13}[order]
+    assert order_for(tolerance) == order
+    batch = Batch(random_members(rng, 41))
+    hold = spread(rng, 0.05, 5.0)
+    for _ in range(12):
+        batch.advance(rng.integers(0, 2, 41), hold, taylor(tolerance))
+    assert (batch.statuses == FINISHED).all()
+    assert batch.bodies[6].sum() > 10, "hardly anything has happened"
+
+
+@pytest.mark.parametrize("n", [1, 2, LANES - 1, LANES, LANES + 1, 3 * LANES + 5])
+def test_any_slice_of_any_number(n):
+    rng = np.random.default_rng(n)
+    batch = Batch([(Groups(), Scene())] * n)
+    for _ in range(4):
+        batch.advance(rng.integers(0, 2, n), 0.5, taylor(1e-6))
+    for begin, end in [(0, 0), (n, n), (0, n // 2), (n // 2, n), (n // 3, n - n // 3)]:
+        batch.advance(rng.integers(0, 2, n), 0.5, taylor(1e-6), begin, end)
+
+
+def test_crawlers_to_be_skipped_are_left_alone():
+    rng = np.random.default_rng(0)
+    n = 3 * LANES
+    batch = Batch([(Groups(), Scene())] * n)
+    for share in (0.3, 0.7, 1.0):
+        batch.skip[:] = rng.random(n) < share
+        batch.advance(rng.integers(0, 2, n), 0.5, taylor(1e-6))
+    batch.skip[:] = False
+    batch.skip[0] = batch.skip[-1] = True
+    batch.advance(rng.integers(0, 2, n), 0.5, taylor(1e-6))
+
+
+def test_a_crawler_that_diverges_leaves_its_neighbours_alone():
+    unbounded = Groups(duffing=0.0, radial_coupling=2.0)
+    members = [(unbounded if i % 5 == 2 else Groups(), Scene()) for i in range(2 * LANES + 1)]
+    batch = Batch(members)
+    batch.advance([1] * len(members), 60.0, taylor(1e-6))
+    expected = [DIVERGED if i % 5 == 2 else FINISHED for i in range(len(members))]
+    assert batch.statuses.tolist() == expected
+
+
+def test_a_spent_budget_is_each_crawlers_own():
+    # Forty steps are plenty for the default crawler's hold, and too few for one so stiff.
+    members = [(Groups(damping_ratio=100.0) if i % 4 == 1 else Groups(), Scene()) for i in range(2 * LANES + 1)]
+    batch = Batch(members)
+    batch.advance([1] * len(members), 2.0, taylor(1e-6, max_steps=40))
+    assert batch.statuses.tolist() == [OUT_OF_STEPS if i % 4 == 1 else FINISHED for i in range(len(members))]
+    assert (batch.elapsed[1::4] < 2.0).all()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
+def test_a_body_that_is_no_body_diverges_alone(value):
+    bodies = np.zeros((7, LANES + 2))
+    bodies[0, 3] = value
+    batch = Batch([(Groups(), Scene())] * (LANES + 2), bodies)
+    batch.advance([1] * (LANES + 2), 0.5, taylor(1e-6))
+    assert batch.statuses.tolist() == [DIVERGED if i == 3 else FINISHED for i in range(LANES + 2)]
+
+
+@pytest.mark.parametrize("groups", [Groups(duffing=1e4), Groups(deborah=1e-3), Groups(damping_ratio=10.0)], ids=str)
+def test_extremes(groups):
+    batch = Batch([(groups, Scene(ratchet=i % 2 == 0)) for i in range(LANES)])
+    for k in range(4):
+        batch.advance([(i + k) % 2 for i in range(LANES)], 0.5, taylor(1e-9))
+
+
+def test_radau_and_the_closed_form_take_the_same_call():
+    linear = Groups(duffing=0.0, radial_coupling=0.0)
+    for solver, groups in (SOLVERS["radau"], Groups()), (SOLVERS["closed_form"], linear):
+        control = solver.control(1e-6)
+        batch = Batch([(groups, Scene())] * 3)
+        batch.workspace = solver.workspace(batch.members[0], 0.5, SAMPLES)
+        single = np.zeros(7)
+        for valve in (1, 1, 0):
+            in_lanes(
+                batch.bodies,
+                batch.coefficients,
+                np.full(3, valve, np.int8),
+                batch.skip,
+                0,
+                2,
+                0.5,
+                control,
+                batch.samples,
+                batch.workspace[None],
+                batch.statuses,
+                batch.elapsed,
+            )
+            own = np.empty((5, SAMPLES))
+            start = Body(*single[:5].tolist(), int(single[5]), int(single[6]))
+            outcome = alone(start, batch.members[0], float(valve), 0.5, control, own, batch.workspace)
+            single = np.array(outcome.body)
+            for i in range(2):
+                np.testing.assert_array_equal(batch.bodies[:, i], single)
+                np.testing.assert_array_equal(batch.samples[..., i], own[:3])
+        assert batch.statuses.tolist() == [FINISHED, FINISHED, -1]
+        assert not batch.bodies[:, 2].any()

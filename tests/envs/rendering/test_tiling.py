@@ -1,0 +1,112 @@
+import re
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.error import ResetNeeded
+from gymnasium.wrappers.vector import RecordVideo
+
+from stickslip.envs import tile
+from stickslip.envs.rendering.drawing import HEIGHT, WIDTH
+
+pygame = pytest.importorskip("pygame")
+
+NAME = "StickSlipCrawler-v0"
+
+
+def pictures(count):
+    return [np.full((HEIGHT, WIDTH, 3), 5 * k, np.uint8) for k in range(count)]
+
+
+def test_the_pictures_are_those_of_single_environments():
+    batch = gym.make_vec(NAME, 6, render_mode="rgb_array", rendered=[4, 1], max_episode_steps=5)
+    singles = {i: gym.make(NAME, render_mode="rgb_array", max_episode_steps=5) for i in (4, 1)}
+    batch.reset(seed=0)
+    for i, single in singles.items():
+        single.reset(seed=i)
+    for k in range(7):
+        drawn = batch.render()
+        expected = [single.render() for single in singles.values()]
+        assert isinstance(drawn, tuple)
+        assert len(drawn) == 2
+        for one, other in zip(drawn, expected, strict=True):
+            np.testing.assert_array_equal(one, other)
+        actions = np.full(6, k % 2)
+        batch.step(actions)
+        for single in singles.values():
+            single.reset() if k == 5 else single.step(k % 2)
+
+
+def test_all_are_drawn_by_default():
+    batch = gym.make_vec(NAME, 3, render_mode="rgb_array")
+    batch.reset(seed=0)
+    assert len(batch.render()) == 3
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7, 16, 40])
+def test_a_tile_holds_every_picture_and_fits_a_screen(count):
+    whole = tile(pictures(count))
+    assert whole.shape[0] <= 1080
+    assert whole.shape[1] <= 1920
+    assert whole.shape[0] % 2 == whole.shape[1] % 2 == 0
+    seen = np.unique(whole[:, :, 0])
+    assert all(np.abs(seen.astype(int) - 5 * k).min() <= 2 for k in range(count))  # scaling truncates
+    assert whole.flags.c_contiguous
+    assert whole.dtype == np.uint8
+
+
+def test_one_picture_is_left_as_it_is():
+    picture = np.random.default_rng(0).integers(0, 255, (HEIGHT, WIDTH, 3), np.uint8)
+    np.testing.assert_array_equal(tile([picture]), picture)
+
+
+def test_names_show():
+    assert (tile(pictures(2), ["first", "second"]) != tile(pictures(2))).any()
+
+
+def test_the_window_shows_one_picture_of_all(monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    batch = gym.make_vec(NAME, 9, render_mode="human", rendered=[0, 8])
+    batch.reset(seed=0)
+    window = pygame.surfarray.array3d(pygame.display.get_surface())
+    batch.step(np.ones(9, int))
+    after = pygame.surfarray.array3d(pygame.display.get_surface())
+    assert window.shape == after.shape
+    assert (window != after).any()
+    batch.close()
+    assert not pygame.display.get_init()
+
+
+def test_gymnasium_films_it(tmp_path):
+    pytest.importorskip("moviepy")
+    batch = RecordVideo(gym.make_vec(NAME, 2, render_mode="rgb_array"), str(tmp_path), video_length=3)
+    batch.reset(seed=0)
+    for _ in range(4):
+        batch.step(np.ones(2, int))
+    batch.close()
+    assert len(list(tmp_path.glob("*.mp4"))) == 1
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda: tile([]), ValueError, "pictures must hold one at least, got none"),
+        (lambda: tile(pictures(2), ["one"]), ValueError, "names must be 2, one for each picture, got 1"),
+        (lambda: gym.make_vec(NAME, 2, rendered=[2]), ValueError, "rendered must be a whole number in [0, 1], got 2"),
+        (lambda: gym.make_vec(NAME, 2, render_mode="ansi"), ValueError, "render_mode must be one of"),
+        (lambda: gym.make_vec(NAME, 2, render_mode="rgb_array").render(), ResetNeeded, "render needs a call of reset"),
+    ],
+)
+def test_what_is_refused(call, error, message):
+    with pytest.raises(error, match=re.escape(message)):
+        call()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [np.zeros((20, 10, 3), np.uint8), np.zeros((10, 10), np.uint8), np.zeros((10, 10, 3))],
+    ids=["size", "grey", "float"],
+)
+def test_what_is_no_picture_like_the_first_is_refused(wrong):
+    with pytest.raises(ValueError, match=r"pictures must be \(height, width, 3\) arrays of uint8 of one size, got"):
+        tile([np.zeros((10, 10, 3), np.uint8), wrong])

@@ -1,0 +1,168 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip.crawler import Groups, Scene, simulate
+from stickslip.reservoir import memory_capacity
+from stickslip.studies.benchmark import run_benchmark, Score, STANDARD_RESERVOIRS, STANDARD_TASKS, summarize, table
+from stickslip.tasks import (
+    crawler_states,
+    DelayLine,
+    EchoState,
+    known_reservoirs,
+    Metric,
+    narma,
+    Problem,
+    random_bits,
+    RESERVOIRS,
+    SeriesTask,
+    Solution,
+    TASKS,
+)
+
+BITS = random_bits(3000, 0)
+
+
+def test_crawler_states_are_the_trajectory_read_within_each_hold():
+    states = crawler_states(BITS[:30], hold=0.7, virtual_nodes=3)
+    motion = simulate(Groups(), BITS[:30], 0.7, samples_per_hold=3)
+    assert states.shape == (30, 9)
+    for k in (0, 11, 29):
+        hold = slice(3 * k, 3 * k + 3)
+        expected = [*motion.deformation[hold], *motion.velocity[hold], *motion.pressure[hold]]
+        np.testing.assert_array_equal(states[k], expected)
+
+
+def test_crawler_states_know_the_present_bit_and_not_the_next():
+    states = crawler_states(BITS)
+    assert memory_capacity(states, BITS, 1).total > 0.999
+    assert memory_capacity(states, np.roll(BITS, -1), 1).corrected == 0
+
+
+def test_a_linear_anchored_crawler_is_bounded_by_its_three_state_variables():
+    """An affine map of three states: its virtual nodes see three past-dependent directions and the input."""
+    linear = {"duffing": 0, "radial_coupling": 0, "damping_ratio": 0.2}
+    states = crawler_states(BITS, groups=linear, scene=Scene(anchored=True))
+    memory = memory_capacity(states, BITS, 60)
+    assert memory.bound <= 4
+    assert 3 < memory.corrected < 4.05
+
+
+def test_scores_match_the_definitions():
+    """The delay line knows its taps, and no parity. NARMA is fitted on one half and scored on the other."""
+    scores = {score.task: score.value for score in run_benchmark(reservoirs=["delay line"], seeds=[0], length=3000)}
+    assert scores["memory capacity"] == pytest.approx(12, abs=1e-6)
+    assert scores["parity-2 capacity"] == scores["parity-3 capacity"] == 0
+    states, target = RESERVOIRS["delay line"](BITS, 0)[200:], narma(0.2 * BITS, 10)[200:]
+    design = np.column_stack([states, np.ones(2800)])
+    weights = np.linalg.lstsq(design[:1400], target[:1400])[0]
+    residual = design[1400:] @ weights - target[1400:]
+    assert scores["NARMA-10 NRMSE"] == pytest.approx(residual.std() / target[1400:].std(), rel=1e-2)
+
+
+def test_a_reservoir_that_computes_the_parity_scores_it():
+    oracle = {"oracle": lambda bits, _: np.stack([np.abs(bits - np.roll(bits, 1)), bits], axis=1)}
+    [score] = run_benchmark(tasks=["parity-2 capacity"], reservoirs=oracle, seeds=[1], length=2000)
+    assert score.value == pytest.approx(1)
+
+
+def test_the_standard_benchmark_ranks_the_crawler_between_nothing_and_its_features():
+    scores = run_benchmark(seeds=[0, 1], length=2500)
+    assert len(scores) == len(STANDARD_TASKS) * len(STANDARD_RESERVOIRS) * 2
+    assert all(math.isfinite(score.value) for score in scores)
+    summary = summarize(scores)
+    assert 2 < summary["memory capacity", "crawler"].mean < 10
+    assert summary["parity-2 capacity", "crawler"].mean > 0.2
+    assert summary["NARMA-2 NRMSE", "crawler"].mean < 0.5
+    # A network tuned for each capacity is not one network, so that no bound holds for their sum.
+    for reservoir in ("crawler", "delay line"):
+        capacities = (summary[task, reservoir].mean for task in STANDARD_TASKS if "capacity" in task)
+        assert sum(capacities) < 12.1
+
+
+def test_every_task_runs_on_every_reservoir():
+    reservoirs = {
+        name: replace(reservoir, tune=False) if isinstance(reservoir, EchoState) else reservoir
+        for name, reservoir in known_reservoirs(6).items()
+    }
+    scores = run_benchmark(tasks=TASKS, reservoirs=reservoirs, seeds=[0], length=1200)
+    assert len(scores) == len(TASKS) * len(RESERVOIRS)
+    assert all(math.isfinite(score.value) for score in scores)
+
+
+def test_friction_is_what_computes_on_bits():
+    """A linear readout of the anchored body finds hardly a parity; of the crawler, half of one."""
+    summary = summarize(run_benchmark(tasks=["parity-2 capacity"], reservoirs=RESERVOIRS, seeds=[0, 1], length=3000))
+    scores = {reservoir: summary["parity-2 capacity", reservoir].mean for reservoir in RESERVOIRS}
+    assert scores["pressure only"] == scores["linear"] == scores["delay line"] == 0
+    assert scores["anchored"] < 0.1 < 0.3 < scores["crawler"]
+
+
+def test_equal_seeds_give_equal_scores():
+    runs = [run_benchmark(tasks=["memory capacity"], seeds=[s], length=1500) for s in (3, 3, 4)]
+    assert runs[0] == runs[1]
+    assert [a.value for a in runs[0]] != [b.value for b in runs[2]]
+
+
+def test_a_series_drives_a_reservoir_once_however_many_tasks_share_it():
+    calls = []
+
+    def counted(drive, seed):
+        calls.append(seed)
+        return DelayLine(4)(drive)
+
+    run_benchmark(
+        tasks=["memory capacity", "parity-2 capacity", "NARMA-2 NRMSE"],
+        reservoirs={"counted": counted},
+        seeds=[0, 1],
+        length=800,
+    )
+    assert calls == [0, 1]
+
+
+def test_registered_names_reach_the_runner(monkeypatch):
+    count = Metric("features", lambda states, targets, start: Solution(float(states.shape[1])), True, 0.0)
+    bits = SeriesTask(lambda length, seed: Problem(*[random_bits(length, seed).astype(float)] * 3, 0), count)
+    monkeypatch.setitem(TASKS, "features", bits)
+    monkeypatch.setitem(RESERVOIRS, "bits", lambda drive, seed: drive[:, None])
+    [score] = run_benchmark(tasks=["features"], reservoirs="bits", seeds=[0], length=10, washout=0)
+    assert score == Score("features", "bits", 0, 1.0)
+
+
+def test_the_table_by_hand():
+    scores = [Score("t", "a", 0, 1.0), Score("t", "a", 1, 3.0), Score("t", "b", 0, 0.5)]
+    assert summarize(scores)["t", "a"] == (2.0, pytest.approx(math.sqrt(2)), 2)
+    assert math.isnan(summarize(scores)["t", "b"].std)
+    assert table(scores) == [["task", "a", "b"], ["t", "2.00 ± 1.41", "0.50"]]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"tasks": ["NARMA-3"]}, r"tasks must be among \['memory capacity', .*\], got 'NARMA-3'"),
+        ({"reservoirs": "octopus"}, r"reservoirs must be among \['crawler', .*\], got 'octopus'"),
+        ({"length": 0}, "length must be a whole number >= 1, got 0"),
+        ({"length": 100}, "length must be more than the 200 samples .* got 100"),
+        ({"length": 210}, "states must have at least .* got 210"),
+        ({"tasks": ["NARMA-2 NRMSE"], "washout": -1}, "washout must be a whole number >= 0, got -1"),
+        ({"seeds": [-1]}, "seed must be a whole number >= 0, got -1"),
+    ],
+)
+def test_bad_input(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        run_benchmark(**arguments)
+
+
+def test_bad_crawler_input():
+    with pytest.raises(ValueError, match="virtual_nodes must be a whole number >= 1, got 0"):
+        crawler_states([0, 1], virtual_nodes=0)
+    with pytest.raises(TypeError, match=r"virtual_nodes must be a whole number >= 1, got 1\.5"):
+        crawler_states([0, 1], virtual_nodes=1.5)
+    with pytest.raises(ValueError, match=r"valve must be in \[0, 1\], got 2.0 at index 1"):
+        crawler_states([0, 2])
+    with pytest.raises(ValueError, match=r"valve must be 1-dimensional .* got shape \(2, 2\)"):
+        crawler_states([[0, 1], [1, 0]])
+    with pytest.raises(ValueError, match="hold must be"):
+        crawler_states([0, 1], hold=0)
