@@ -22,7 +22,7 @@ from stickslip.crawler import Groups, Scene
 from stickslip.crawler.batch.advance import advance_lanes, lane_workspace, one_by_one
 from stickslip.crawler.batch.step import sample_lanes, step_lanes
 from stickslip.crawler.drive import drive
-from stickslip.crawler.model.state import Body, physics, STUCK
+from stickslip.crawler.model.state import Body, coefficients_of, STUCK
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.steps.options import Taylor12
 
@@ -30,12 +30,12 @@ HOLD, TOLERANCE, SAMPLES = 0.5, 1e-6, 4
 SIZES = (1, 8, 64, 512, 4096, 65_536)
 ROUNDS, SCHEDULES = 15, 8
 _CHAINS, _LINKS = 10, 200
-CONTROL = SOLVERS["taylor"].control(TOLERANCE)
+CONTROL = SOLVERS["taylor"].options(TOLERANCE)
 
 
 @compiled
-def in_lanes(bodies, coefficients, valves, skip, begin, end, hold, control, samples, workspace, statuses, elapsed):
-    advance_lanes(bodies, coefficients, valves, skip, begin, end, hold, control, samples, workspace, statuses, elapsed)
+def in_lanes(bodies, coefficients, valves, skip, begin, end, hold, options, samples, workspace, statuses, elapsed):
+    advance_lanes(bodies, coefficients, valves, skip, begin, end, hold, options, samples, workspace, statuses, elapsed)
 
 
 class Batch:
@@ -45,13 +45,15 @@ class Batch:
         rng = np.random.default_rng(n)
         self.n, self.parts = n, parts
         self.bodies = np.zeros((7, n))
-        self.coefficients = np.repeat(np.array(physics(Groups(), Scene()), dtype=np.float64)[:, None], n, axis=1)
+        self.coefficients = np.repeat(
+            np.array(coefficients_of(Groups(), Scene()), dtype=np.float64)[:, None], n, axis=1
+        )
         self.valves = rng.integers(0, 2, (SCHEDULES, n))
         self.samples = np.empty((3, SAMPLES, n))
         self.results = np.zeros(n, np.int8), np.zeros(n)
         self.skip = np.zeros(n, bool)
         self.lanes = [lane_workspace() for _ in range(parts)]
-        self.series = SOLVERS["taylor"].workspace(physics(Groups(), Scene()), HOLD, SAMPLES)
+        self.series = SOLVERS["taylor"].workspace(coefficients_of(Groups(), Scene()), HOLD, SAMPLES)
         self.pool = ThreadPoolExecutor(parts)
         self.turn = 0
 
@@ -126,7 +128,7 @@ def peak() -> float:
 def steps_a_hold(holds: int = 4000) -> float:
     """Steps of the default crawler in a hold, with random valves."""
     valves = np.random.default_rng(0).integers(0, 2, holds).astype(float)
-    coefficients = physics(Groups(), Scene())
+    coefficients = coefficients_of(Groups(), Scene())
     rest = Body(0.0, 0.0, 0.0, 0.0, 0.0, STUCK, 0)
     series = SOLVERS["taylor"].workspace(coefficients, HOLD, 1)
     outcome, _ = drive(rest, coefficients, valves, HOLD, CONTROL, np.empty((5, holds)), np.empty((0, 2)), series)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from stickslip.crawler import Groups, Scene
 from stickslip.crawler.cost import predicted_steps
 from stickslip.crawler.drive import drive
-from stickslip.crawler.model.state import Body, physics
+from stickslip.crawler.model.state import Body, coefficients_of
 from stickslip.crawler.solvers import AUTO, choose, SOLVERS, solvers_for
 from stickslip.crawler.steps.options import FINISHED
 
@@ -97,13 +97,13 @@ def random_crawler(rng: np.random.Generator, *, ordinary: bool) -> Drawn:
 def run(drawn: Drawn, name: str, max_steps: int) -> Run:
     """Drive a crawler from rest by one solver."""
     solver = SOLVERS[name]
-    coefficients = physics(drawn.groups, drawn.scene)
-    control = solver.control(drawn.tolerance, max_steps=max_steps)
+    coefficients = coefficients_of(drawn.groups, drawn.scene)
+    options = solver.options(drawn.tolerance, max_steps=max_steps)
     workspace = solver.workspace(coefficients, drawn.hold, 1)
     rest = Body(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)
     samples, events = np.empty((5, len(drawn.schedule))), np.empty((0, 2))
     start = time.process_time()
-    outcome, finished = drive(rest, coefficients, drawn.schedule, drawn.hold, control, samples, events, workspace)
+    outcome, finished = drive(rest, coefficients, drawn.schedule, drawn.hold, options, samples, events, workspace)
     seconds = time.process_time() - start
     reached = finished * drawn.hold + (outcome.elapsed if finished < len(drawn.schedule) else 0.0)
     return Run(outcome.steps, reached, seconds, outcome.status == FINISHED)

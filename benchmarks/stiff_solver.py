@@ -10,9 +10,9 @@ import numpy as np
 
 from stickslip.crawler import Groups, Scene
 from stickslip.crawler.drive import drive
-from stickslip.crawler.model.state import Body, physics
+from stickslip.crawler.model.state import Body, coefficients_of
 from stickslip.crawler.solvers import Solver, SOLVERS
-from stickslip.crawler.steps.options import Control, FINISHED, Outcome
+from stickslip.crawler.steps.options import FINISHED, Options, Outcome
 from stickslip.crawler.steps.radau_table import STAGES
 from stickslip.crawler.steps.workspace import ROWS, WIDTH
 
@@ -34,14 +34,14 @@ ROUNDS = 5
 _DEAR = 2.0  # seconds that one run may take to be run again
 
 
-def run(groups: Groups, solver: Solver, control: Control) -> tuple[Outcome, float]:
+def run(groups: Groups, solver: Solver, options: Options) -> tuple[Outcome, float]:
     """Outcome, and processor time per unit of time in microseconds."""
     rest = Body(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)
     samples, events, series = np.empty((5, len(WORD))), np.empty((0, 2)), np.empty((ROWS, WIDTH))
     least = np.inf
     for _ in range(ROUNDS):
         start = time.process_time()
-        outcome, _ = drive(rest, physics(groups, Scene()), WORD, 1.0, control, samples, events, series)
+        outcome, _ = drive(rest, coefficients_of(groups, Scene()), WORD, 1.0, options, samples, events, series)
         least = min(least, time.process_time() - start)
         if least > _DEAR:
             break
@@ -53,17 +53,17 @@ def main() -> None:
     radau = SOLVERS["radau"]
     costs: dict[tuple[float, int], list[float]] = {}
     for name, groups in CRAWLERS.items():
-        exact, _ = run(groups, radau, radau.control(1e-14))
+        exact, _ = run(groups, radau, radau.options(1e-14))
         print(f"{name}: {exact.body.slips} slips")
         for tolerance in TOLERANCES:
             for stages in STAGES:
-                _, cost = run(groups, radau, radau.control(tolerance)._replace(order=stages))
+                _, cost = run(groups, radau, radau.options(tolerance)._replace(order=stages))
                 costs.setdefault((tolerance, stages), []).append(cost)
             if tolerance not in (1e-3, 1e-6, 1e-9, 1e-12):
                 continue
             cells = []
             for solver in (radau, SOLVERS["taylor"]):
-                outcome, cost = run(groups, solver, solver.control(tolerance))
+                outcome, cost = run(groups, solver, solver.options(tolerance))
                 error = abs(outcome.body.foot - exact.body.foot)
                 done = f"{error:.0e}, {outcome.body.slips} slips" if outcome.status == FINISHED else "not done"
                 cells.append(f"{solver.name} {cost:9.2f} ({done})")

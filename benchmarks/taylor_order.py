@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.crawler import Groups, Scene
 from stickslip.crawler.drive import drive
-from stickslip.crawler.model.state import Body, physics
+from stickslip.crawler.model.state import Body, coefficients_of
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.steps.options import TAYLOR
 from stickslip.crawler.steps.taylor import order_for, ORDERS
@@ -23,7 +23,7 @@ ROUNDS = 31
 
 def main() -> None:
     """Print the table."""
-    coefficients = physics(Groups(), Scene())
+    coefficients = coefficients_of(Groups(), Scene())
     rest = Body(0.0, 0.0, 0.0, 0.0, 0.0, 0, 0)
     samples, events, series = np.empty((5, len(WORD))), np.empty((0, 2)), np.empty((ROWS, WIDTH))
     print("relative cost (error of the foot after 200 time units); * marks the order chosen")
@@ -32,9 +32,9 @@ def main() -> None:
         error = {}
         for _ in range(ROUNDS):
             for order in ORDERS:
-                control = SOLVERS["taylor"].control(tolerance)._replace(order=order, method=TAYLOR[order]())
+                options = SOLVERS["taylor"].options(tolerance)._replace(order=order, method=TAYLOR[order]())
                 start = time.perf_counter()
-                drive(rest, coefficients, WORD, 1.0, control, samples, events, series)
+                drive(rest, coefficients, WORD, 1.0, options, samples, events, series)
                 seconds[order].append(time.perf_counter() - start)
                 error[order] = abs(samples[3, -1] - FOOT)
         cost = {order: float(np.median(times)) for order, times in seconds.items()}

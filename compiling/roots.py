@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .compilation import allocating, compiled
 from .tracing import fma
 
-__all__ = ["LARGEST_DEGREE", "first_descent", "horner", "horner_derivative", "sharp_descent"]
+__all__ = ["LARGEST_DEGREE", "first_downcrossing", "horner", "horner_derivative", "sharp_descent"]
 
 LARGEST_DEGREE = 24
 # Sums of a step's terms are right to a few units in the last place; a dip shallower than that is no descent.
@@ -63,7 +63,7 @@ def horner_derivative(coefficients: NDArray[np.float64], degree: int, t: float) 
 
 
 @compiled
-def first_descent(coefficients: NDArray[np.float64], degree: int, length: float) -> float:
+def first_downcrossing(coefficients: NDArray[np.float64], degree: int, length: float) -> float:
     """First time in [0, length] from which a polynomial is negative.
 
     Parameters
@@ -113,13 +113,13 @@ def sharp_descent(coefficients: NDArray[np.float64], degree: int, length: float)
     Rounding is judged by the terms at the interval's end, which may be larger by orders of magnitude than those at an
     early root.
     """
-    moment = first_descent(coefficients, degree, length)
+    moment = first_downcrossing(coefficients, degree, length)
     if not 0.0 < moment < 0.5 * length:
         return moment
     # Where a pass does not halve the moment the terms at its end, and with them the rounding, hardly change any more.
     for _ in range(_DEEPEST):
         length = 2.0 * moment
-        nearer = first_descent(coefficients, degree, length)
+        nearer = first_downcrossing(coefficients, degree, length)
         if nearer > length:
             break
         settled = nearer >= 0.5 * moment
@@ -149,11 +149,11 @@ def _isolate(coefficients: NDArray[np.float64], degree: int, length: float, nois
     for _ in range(_LOOKS):
         if top < 0:
             break
-        control = pending[top]
+        options = pending[top]
         variations = 0
         below = False
         for i in range(degree + 1):
-            if (control[i] < -noise) != below:
+            if (options[i] < -noise) != below:
                 below = not below
                 variations += 1
         if variations == 0:
@@ -167,9 +167,9 @@ def _isolate(coefficients: NDArray[np.float64], degree: int, length: float, nois
         # The right half keeps this place on the stack and the left half, to be looked at first, goes above it.
         half = pending[top + 1]
         for k in range(degree + 1):
-            half[k] = control[0]
+            half[k] = options[0]
             for i in range(degree - k):
-                control[i] = 0.5 * (control[i] + control[i + 1])
+                options[i] = 0.5 * (options[i] + options[i + 1])
         # De Casteljau leaves the right half in place, last coefficient first to settle.
         left[top + 1] = left[top]
         left[top] += 0.5 * width

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .tracing import repeated
 
-__all__ = ["LANES", "aligned_zeros", "clipped", "faded", "load", "spread", "store"]
+__all__ = ["LANES", "aligned_zeros", "broadcast", "clipped", "flush_to_zero", "load", "store"]
 
 LANES = 8
 _instruction: Any = intrinsic  # compiled code calls what it makes with one argument less
@@ -100,7 +100,7 @@ def store(_typing: Any, array: Any, offset: Any, vector: Any) -> Any:
 
 
 @_instruction
-def spread(_typing: Any, number: Any) -> Any:
+def broadcast(_typing: Any, number: Any) -> Any:
     """One number in every lane."""
 
     def codegen(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
@@ -124,7 +124,7 @@ def clipped(_typing: Any, vector: Any) -> Any:
 
 
 @_instruction
-def faded(_typing: Any, vector: Any, faintest: Any) -> Any:
+def flush_to_zero(_typing: Any, vector: Any, faintest: Any) -> Any:
     """Each number, or zero where its size does not exceed `faintest`."""
 
     def codegen(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:

@@ -11,7 +11,7 @@ from .model.tube import is_chain, node_masses
 from .motion.balance import Store, store_between
 from .motion.chain_loop import drive_chain
 from .steps.chain_series import chain_of, chain_order, series_for
-from .steps.options import Control, LOG_FULL, Outcome, Taylor20
+from .steps.options import LOG_FULL, Options, Outcome, Taylor20
 
 __all__ = ["run_chain", "stretches_of"]
 
@@ -46,7 +46,7 @@ def run_chain(
     scene: Scene,
     schedule: NDArray[np.float64],
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     segment_samples: NDArray[np.float64],
 ) -> tuple[Outcome, int, NDArray[np.float64], Store]:
@@ -63,12 +63,12 @@ def run_chain(
     """
     chain, series = chain_of(groups, scene), series_for(scene.segments)
     # Compiled once: a chain is expanded in loops, whatever the method.
-    control = control._replace(order=chain_order(control.order), method=Taylor20())
+    options = options._replace(order=chain_order(options.order), method=Taylor20())
     capacity = 64 + 4 * len(schedule)
     while True:
         events, moved = np.empty((capacity, 2)), stretches.copy()
         outcome, finished = drive_chain(
-            body, moved, chain, schedule, hold, control, samples, segment_samples, events, series
+            body, moved, chain, schedule, hold, options, samples, segment_samples, events, series
         )
         if outcome.status != LOG_FULL:
             before, after = _stored(body, stretches, groups, scene), _stored(outcome.body, moved, groups, scene)

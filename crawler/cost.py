@@ -16,10 +16,10 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
-from .model.equations import inverse_mass
+from .model.equations import mobility_of
 from .model.groups import Groups
 from .model.scene import Scene
-from .model.state import FORWARD, Physics, physics, STUCK
+from .model.state import Coefficients, coefficients_of, FORWARD, STUCK
 from .model.tube import as_crawler
 from .motion.loop import FARTHEST
 from .steps.radau import stages_for
@@ -59,7 +59,7 @@ class Mode(NamedTuple):
     rate: float  # size of its complex exponent
     decay: float  # real part of that
     acceleration: float  # at first
-    yielding: float  # acceleration per force
+    mobility: float  # acceleration per force
     lasting: bool  # whether rounding keeps it alive: the fluid's alone is computed from its own closed form
 
 
@@ -72,11 +72,11 @@ class Method(NamedTuple):
     stiff: bool  # whether a mode that would allow a longer one is of no more concern
 
 
-def rates(coefficients: Physics, motion: int, deformation: float) -> Rates:
+def rates(coefficients: Coefficients, motion: int, deformation: float) -> Rates:
     """Rates of the body about a deformation; K = 1 + 3 Pi1 z^2."""
-    yielding = inverse_mass(coefficients, motion)
+    mobility = mobility_of(coefficients, motion)
     stiffness = 1.0 + 3.0 * coefficients.duffing * deformation**2
-    return Rates(math.sqrt(yielding * stiffness), yielding * coefficients.damping)
+    return Rates(math.sqrt(mobility * stiffness), mobility * coefficients.damping)
 
 
 class FastestRate(NamedTuple):
@@ -89,7 +89,7 @@ class FastestRate(NamedTuple):
 
 def fastest_rate(groups: Groups, scene: Scene, deformation: float) -> FastestRate:
     """The fastest of a crawler's rates about a deformation."""
-    coefficients = physics(groups, scene)
+    coefficients = coefficients_of(groups, scene)
     lag = coefficients.lag_rate
     found = [FastestRate("the lag of the fluid (deborah)", lag, lag)]
     for motion, phase in ((STUCK, "resting"), (FORWARD, "sliding")):
@@ -133,12 +133,12 @@ def predicted_steps(solver: str, groups: Groups, scene: Scene, hold: float, tole
     """Steps that one unit of time takes, or looks for events in closed form; parameters as for `predicted_cost`."""
     groups, scene, unit = as_crawler(groups, scene)
     spell = hold / unit
-    coefficients = physics(groups, scene)
+    coefficients = coefficients_of(groups, scene)
     deformation = _held_stretch(groups)
     push = 1.0 + groups.radial_coupling * deformation
     resting = _body_modes(coefficients, STUCK, deformation, push, 0.0)
     moving = [(1.0, resting)]
-    loose = not scene.anchored and groups.static_friction < resting[0].acceleration / resting[0].yielding
+    loose = not scene.anchored and groups.static_friction < resting[0].acceleration / resting[0].mobility
     if loose:
         part = _SLIDING if groups.kinetic_friction > 0.0 else 1.0
         jump = groups.static_friction - groups.kinetic_friction
@@ -151,7 +151,7 @@ def predicted_steps(solver: str, groups: Groups, scene: Scene, hold: float, tole
     else:
         method = _method(solver, tolerance)
         lag = coefficients.lag_rate
-        fluid = Mode(lag, lag, resting[0].yielding * push, resting[0].yielding, lasting=False)
+        fluid = Mode(lag, lag, resting[0].mobility * push, resting[0].mobility, lasting=False)
         # Collocation begins the sliding anew, a Taylor series begins every step anew.
         count = 2.0 if loose and method.stiff else 1.0
         count += _steps_through(fluid, spell, tolerance, method)
@@ -176,13 +176,13 @@ def _held_stretch(groups: Groups) -> float:
     return min(z, FARTHEST)
 
 
-def _body_modes(coefficients: Physics, motion: int, deformation: float, push: float, jump: float) -> list[Mode]:
+def _body_modes(coefficients: Coefficients, motion: int, deformation: float, push: float, jump: float) -> list[Mode]:
     """Modes of the body about a deformation, the fastest first.
 
     The pressure sets them off by a change of force `push` that takes the time of its lag, and a foot that breaks loose
     by a sudden one, `jump`.
     """
-    yielding = inverse_mass(coefficients, motion)
+    mobility = mobility_of(coefficients, motion)
     frequency, damping = rates(coefficients, motion, deformation)
     fast, decay, slow = frequency, 0.5 * damping, 0.0
     if decay >= frequency:
@@ -190,11 +190,11 @@ def _body_modes(coefficients: Physics, motion: int, deformation: float, push: fl
         decay, slow = fast, frequency * (frequency / fast)
 
     def set_off(rate: float) -> float:
-        return yielding * max(push / (1.0 + rate / coefficients.lag_rate), jump)
+        return mobility * max(push / (1.0 + rate / coefficients.lag_rate), jump)
 
-    modes = [Mode(fast, decay, set_off(fast), yielding, lasting=True)]
+    modes = [Mode(fast, decay, set_off(fast), mobility, lasting=True)]
     if slow > 0.0:
-        modes.append(Mode(slow, slow, set_off(slow) * (slow / fast), yielding, lasting=True))
+        modes.append(Mode(slow, slow, set_off(slow) * (slow / fast), mobility, lasting=True))
     return modes
 
 
@@ -211,7 +211,7 @@ def _steps_through(mode: Mode, span: float, tolerance: float, method: Method) ->
     # A Taylor series keeps the tolerance in the acceleration; Radau in the force, the velocity and the deformation.
     size = mode.acceleration
     if method.stiff:
-        size *= max(1.0 / mode.yielding, 1.0 / mode.rate, 1.0 / mode.rate / mode.rate)
+        size *= max(1.0 / mode.mobility, 1.0 / mode.rate, 1.0 / mode.rate / mode.rate)
     if not (size < math.inf and mode.rate < math.inf):
         return math.inf
     afterwards = mode.rate / method.longest if mode.lasting and not method.stiff else 0.0

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from .drive import drive
 from .model.groups import Groups
 from .model.scene import Scene
-from .model.state import Body, physics
+from .model.state import Body, coefficients_of
 from .model.tube import as_crawler
 from .motion.balance import Store, store_between
 from .motion.tangent import condition_of, start_changes
 from .solvers import Solver
-from .steps.options import Control, LOG_FULL, Outcome
+from .steps.options import LOG_FULL, Options, Outcome
 
 __all__ = ["run_crawler"]
 
@@ -24,7 +24,7 @@ def run_crawler(
     scene: Scene,
     schedule: NDArray[np.float64],
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     solver: Solver,
 ) -> tuple[Outcome, int, NDArray[np.float64], Store, float]:
@@ -39,17 +39,17 @@ def run_crawler(
         Times and new motions.
     stored : Store
     condition : float
-        As in `Trajectory`; nan unless `control` has the tangents carried.
+        As in `Trajectory`; nan unless `options` has the tangents carried.
     """
     groups, scene, unit = as_crawler(groups, scene)
     start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
-    coefficients = physics(groups, scene)
+    coefficients = coefficients_of(groups, scene)
     workspace = solver.workspace(coefficients, hold / unit, samples.shape[1] // len(schedule))
     capacity = 64 + 4 * len(schedule)
     while True:
         events = np.empty((capacity, 2))
         start_changes(workspace, start.motion)
-        outcome, finished = drive(start, coefficients, schedule, hold / unit, control, samples, events, workspace)
+        outcome, finished = drive(start, coefficients, schedule, hold / unit, options, samples, events, workspace)
         if outcome.status != LOG_FULL:
             break
         capacity *= 2
@@ -59,7 +59,7 @@ def run_crawler(
         samples[[1, 4]] /= unit
         events[:, 0] *= unit
         outcome = outcome._replace(elapsed=outcome.elapsed * unit)
-    condition = condition_of(workspace, unit) if control.tangents else math.nan
+    condition = condition_of(workspace, unit) if options.tangents else math.nan
     return outcome, finished, events, stored, condition
 
 

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ..compiling.compilation import compiled, OPTIONS
 from .closed_form.loop import advance_linear
-from .model.state import Body, Ledger, Physics
+from .model.state import Body, Coefficients, Ledger
 from .motion.loop import advance
 from .motion.progress import keep, opening_of, outcome_of, run_through, steps_of_a_call, stretch_at, stretch_of
-from .steps.options import AFRESH, ClosedForm, Control, FINISHED, Leg, method_of, Outcome, PAUSED, SAMPLES_A_STEP
+from .steps.options import AFRESH, ClosedForm, FINISHED, Leg, method_of, Options, Outcome, PAUSED, SAMPLES_A_STEP
 
 __all__ = ["advance_by_method", "drive"]
 
@@ -20,10 +20,10 @@ __all__ = ["advance_by_method", "drive"]
 def advance_by_method(
     body: Body,
     ledger: Ledger,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     hold: float,
-    control: Control,
+    options: Options,
     start: float,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
@@ -32,7 +32,7 @@ def advance_by_method(
     end: float = math.inf,
     leg: Leg | None = None,
 ) -> Outcome:
-    """A hold or a part of one by the control's method, in compiled code alone: see `advance`, `advance_linear`."""
+    """A hold or a part of one by the method of the options, in compiled code alone: see `advance`, `advance_linear`."""
     raise NotImplementedError
 
 
@@ -40,10 +40,10 @@ def advance_by_method(
 def _compiled_advance(
     body: Body,
     ledger: Ledger,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     hold: float,
-    control: Control,
+    options: Options,
     start: float,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
@@ -52,16 +52,16 @@ def _compiled_advance(
     end: float = math.inf,
     leg: Leg | None = None,
 ) -> Any:
-    kernel: Any = advance_linear if method_of(control) is ClosedForm else advance
+    kernel: Any = advance_linear if method_of(options) is ClosedForm else advance
     return kernel.py_func
 
 
 def drive(
     body: Body,
-    coefficients: Physics,
+    coefficients: Coefficients,
     schedule: NDArray[np.float64],
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
     workspace: NDArray[np.float64],
@@ -71,11 +71,11 @@ def drive(
     Parameters
     ----------
     body : Body
-    coefficients : Physics
+    coefficients : Coefficients
     schedule : (holds,) array
         Duty cycles: the share of each hold that the valve is open, at its start.
     hold : float
-    control : Control
+    options : Options
         Its step budget is that of the whole run.
     samples : (5, holds * samples_per_hold) array
         Receives z, v, p, x, w.
@@ -91,16 +91,16 @@ def drive(
     finished : int
         Holds completed.
     """
-    return run_through(_drive_on, body, coefficients, schedule, hold, control, samples, events, workspace)
+    return run_through(_drive_on, body, coefficients, schedule, hold, options, samples, events, workspace)
 
 
 @compiled
 def _drive_on(
     state: NDArray[np.float64],
-    coefficients: Physics,
+    coefficients: Coefficients,
     schedule: NDArray[np.float64],
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
     workspace: NDArray[np.float64],
@@ -120,14 +120,14 @@ def _drive_on(
         if until_pause <= 0:
             keep(state, Outcome(PAUSED, elapsed, steps, logged, body, ledger, pace), stretch, opening)
             return
-        left = Control(
-            control.tolerance,
-            control.order,
-            control.max_steps - steps,
-            control.energy,
-            control.log,
-            control.tangents,
-            control.method,
+        left = Options(
+            options.tolerance,
+            options.order,
+            options.max_steps - steps,
+            options.energy,
+            options.log,
+            options.tangents,
+            options.method,
         )
         outcome = advance_by_method(
             body,

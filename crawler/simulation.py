@@ -118,8 +118,8 @@ def simulate(
     solvers = [choose(solver, groups_of, scene, hold, tolerance) for groups_of in crawlers]
     grown, scales, conditions = np.empty(batch), np.empty(batch), np.empty(batch)
     for member, (groups_of, by) in enumerate(zip(crawlers, solvers, strict=True)):
-        control = by.control(tolerance, energy=True, log=True, tangents=bool(condition), max_steps=budget)
-        row = schedule[member].astype(np.float64), hold, control, samples[member]
+        options = by.options(tolerance, energy=True, log=True, tangents=bool(condition), max_steps=budget)
+        row = schedule[member].astype(np.float64), hold, options, samples[member]
         if is_chain(scene):
             outcome, finished, events, store = run_chain(body, stretches, groups_of, scene, *row, parts[member])
         else:

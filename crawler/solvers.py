@@ -10,9 +10,9 @@ from .closed_form.loop import is_linear, require_linear
 from .cost import predicted_cost, predicted_steps
 from .model.groups import Groups
 from .model.scene import Scene
-from .model.state import Physics
+from .model.state import Coefficients
 from .model.tube import is_chain
-from .steps.options import ClosedForm, Control, MAX_STEPS, Method, Radau, STEPS_A_HOLD, TAYLOR
+from .steps.options import ClosedForm, MAX_STEPS, Method, Options, Radau, STEPS_A_HOLD, TAYLOR
 from .steps.propagator import tabulate
 from .steps.radau import stages_for
 from .steps.taylor import order_for
@@ -30,10 +30,10 @@ class Solver(NamedTuple):
 
     name: str
     method: Callable[[int], Method]  # of an order
-    workspace: Callable[[Physics, float, int], NDArray[np.float64]]  # of a crawler, a hold and samples in a hold
+    workspace: Callable[[Coefficients, float, int], NDArray[np.float64]]  # of a crawler, a hold and samples in a hold
     order_for: Callable[[float], int]  # of a tolerance
 
-    def control(
+    def options(
         self,
         tolerance: float,
         *,
@@ -41,13 +41,13 @@ class Solver(NamedTuple):
         log: bool = False,
         tangents: bool = False,
         max_steps: int = MAX_STEPS,
-    ) -> Control:
+    ) -> Options:
         """Settings that integrate to `tolerance`, with the order that makes it cheapest."""
         order = self.order_for(tolerance)
-        return Control(tolerance, order, max_steps, energy, log, tangents, self.method(order))
+        return Options(tolerance, order, max_steps, energy, log, tangents, self.method(order))
 
 
-def _series(_physics: Physics, _hold: float, _samples_per_hold: int) -> NDArray[np.float64]:
+def _series(_coefficients: Coefficients, _hold: float, _samples_per_hold: int) -> NDArray[np.float64]:
     return np.empty((ROWS, WIDTH))
 
 

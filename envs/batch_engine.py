@@ -30,7 +30,7 @@ from .settings import Choice, COUNTS, NUMBERS, Settings
 from .single_kernel import Stepper, stepper_for
 from .state import CrawlerState, observation_of
 
-__all__ = ["Fleet"]
+__all__ = ["BatchEngine"]
 
 # Fewer crawlers than this are stepped before another thread has woken; an affine map a hold is soon done.
 _LEAST_A_THREAD = 128
@@ -48,7 +48,7 @@ class _Slice(NamedTuple):
     scratch: NDArray[np.float64]
 
 
-class Fleet:
+class BatchEngine:
     """Crawlers that are stepped together.
 
     Parameters
@@ -260,7 +260,7 @@ class Fleet:
                 self._tables[i % places] = stepper.workspace
         names = sorted(set(self._solvers.tolist()) - {""})  # which have none yet
         self._methods = [
-            (name, None if len(names) == 1 else self._solvers != name, SOLVERS[name].control(settings.tolerance))
+            (name, None if len(names) == 1 else self._solvers != name, SOLVERS[name].options(settings.tolerance))
             for name in names
         ]
 
@@ -334,8 +334,8 @@ class Fleet:
             if self._interrupted:
                 return
             end = min(begin + self._crawlers_of_a_call, part.end)
-            for k, (name, others, control) in enumerate(self._methods):
-                STEP_BATCH[type(control.method)](
+            for k, (name, others, options) in enumerate(self._methods):
+                STEP_BATCH[type(options.method)](
                     begin,
                     end,
                     k == 0,
@@ -346,9 +346,9 @@ class Fleet:
                     self.batch,
                     self._readouts,
                     self._reward,
-                    control.tolerance,
-                    control.order,
-                    control.max_steps,
+                    options.tolerance,
+                    options.order,
+                    options.max_steps,
                     self._tables if name == "closed_form" else part.workspaces[name],
                     part.scratch,
                     self.results,
@@ -373,16 +373,16 @@ def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> 
     An error names a sub-environment of the kind.
     """
     settings, count = kinds[0], len(kinds)
-    fleet = Fleet([replace(kind, randomize={}) for kind in kinds], np.arange(count), 1, 1)
-    fleet._names = names
+    engine = BatchEngine([replace(kind, randomize={}) for kind in kinds], np.arange(count), 1, 1)
+    engine._names = names
     # With readouts, though blank, the kernel is the one that is compiled for the episodes.
-    fleet._readouts = blank_readouts(count, settings.delays, settings.features + 1, 1.0)
-    fleet.begin(np.ones(count, np.bool_), [0] * count)
-    fleet.batch.generators[:] = 0  # which flip none
+    engine._readouts = blank_readouts(count, settings.delays, settings.features + 1, 1.0)
+    engine.begin(np.ones(count, np.bool_), [0] * count)
+    engine.batch.generators[:] = 0  # which flip none
     valves = calibration_valves(settings)
     states = np.empty((count, len(valves), settings.features))
     idle = np.zeros(count, np.bool_)
     for k, valve in enumerate(valves.tolist()):
-        fleet.step(np.full(count, valve), idle)
-        states[:, k] = fleet.batch.samples.reshape(settings.features, -1)[:, :count].T
+        engine.step(np.full(count, valve), idle)
+        states[:, k] = engine.batch.samples.reshape(settings.features, -1)[:, :count].T
     return states

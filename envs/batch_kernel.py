@@ -11,8 +11,8 @@ from ..compiling.generators import next_uniform
 from ..compiling.vectors import aligned_zeros, LANES
 from ..crawler import Groups
 from ..crawler.batch.advance import advance_lanes
-from ..crawler.model.state import Body, FOOT, Physics, SLIPS
-from ..crawler.steps.options import Control, FINISHED, Method, METHODS
+from ..crawler.model.state import Body, Coefficients, FOOT, SLIPS
+from ..crawler.steps.options import FINISHED, Method, METHODS, Options
 from ..reservoir.prequential_lanes import Readouts, score_lanes
 from .settings import COUNTS, NUMBERS
 
@@ -27,7 +27,7 @@ class Batch(NamedTuple):
     """State of n crawlers; `width` is n rounded up to whole blocks of LANES."""
 
     bodies: Array  # (7, width): the fields of `Body`
-    coefficients: Array  # (11, width): the fields of `Physics`
+    coefficients: Array  # (11, width): the fields of `Coefficients`
     samples: Array  # (3, samples, width): z, v, p in the last hold
     generators: NDArray[np.uint64]  # (2, n): where the random numbers come from, see `stickslip.compiling.generators`
     valves: NDArray[np.int64]  # (width,): in the last hold
@@ -62,7 +62,7 @@ def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
     width = -(-count // LANES) * LANES
     batch = Batch(
         aligned_zeros(len(Body._fields), width),
-        aligned_zeros(len(Physics._fields), width),
+        aligned_zeros(len(Coefficients._fields), width),
         aligned_zeros(3, samples, width),
         np.zeros((2, count), np.uint64),
         np.zeros(width, np.int64),
@@ -123,7 +123,7 @@ def _step_batch(
         None where the dither is 0: there is no message, and nothing to score.
     reward : Reward
     tolerance, order, max_steps
-        As in `Control`.
+        As in `Options`.
     workspaces : array
         As `advance_lanes` wants them.
     scratch : (2, features + 1, LANES) array
@@ -145,7 +145,7 @@ def _step_batch(
             batch.starts[i] = batch.bodies[FOOT, i]
             batch.scores[i] = valve - abs(commands[i] - dither)
             results.numbers[_INNOVATION, i] = batch.scores[i]
-    control = Control(tolerance, order, max_steps, False, False, False, method)
+    options = Options(tolerance, order, max_steps, False, False, False, method)
     advance_lanes(
         batch.bodies,
         batch.coefficients,
@@ -154,7 +154,7 @@ def _step_batch(
         begin,
         end,
         hold,
-        control,
+        options,
         batch.samples,
         workspaces,
         results.statuses,

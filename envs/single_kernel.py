@@ -15,10 +15,10 @@ from ..compiling.generators import next_uniform
 from ..crawler.drive import advance_by_method
 from ..crawler.model.groups import Groups
 from ..crawler.model.scene import Scene
-from ..crawler.model.state import Body, FOOT, NOTHING_YET, Physics, physics, SLIPS
+from ..crawler.model.state import Body, Coefficients, coefficients_of, FOOT, NOTHING_YET, SLIPS
 from ..crawler.refusals import solver_error
 from ..crawler.solvers import AUTO, choose
-from ..crawler.steps.options import Control, FINISHED, MAX_STEPS, Method, METHODS
+from ..crawler.steps.options import FINISHED, MAX_STEPS, Method, METHODS, Options
 from ..reservoir.prequential import score
 from .calibration import calibration_valves
 from .settings import Settings
@@ -27,7 +27,7 @@ __all__ = ["NO_MEMORY", "TOLD", "TOLD_OF_STATE", "Stepper", "calibration_states"
 
 _BODY = len(Body._fields)
 _HOLD, _TOLERANCE, _ORDER, _MAX_STEPS, _DITHER, _WEIGHT, _VARIANCE = range(
-    len(Physics._fields), len(Physics._fields) + 7
+    len(Coefficients._fields), len(Coefficients._fields) + 7
 )
 _SPEED, _MEMORY, _DISTANCE, _INNOVATION, _REWARD, _VALVE, _SLIPS_SO_FAR, _ELAPSED = range(8)
 
@@ -47,7 +47,7 @@ class Stepper(NamedTuple):
     """How one crawler is stepped, and what stays the same from step to step."""
 
     step: Callable[..., int]
-    fixed: Array  # the fields of `Physics`, hold, tolerance, order, step budget, dither, memory weight and Var e
+    fixed: Array  # the fields of `Coefficients`, hold, tolerance, order, step budget, dither, memory weight and Var e
     workspace: Array
     solver: str
 
@@ -59,12 +59,12 @@ def rest() -> Array:
 
 def stepper_for(settings: Settings, groups: Groups, scene: Scene) -> Stepper:
     """The cheapest way to step a crawler, hold by hold."""
-    coefficients = physics(groups, scene)
+    coefficients = coefficients_of(groups, scene)
     solver = choose(AUTO, groups, scene, settings.hold, settings.tolerance)
-    control = solver.control(settings.tolerance)
-    numbers = settings.hold, control.tolerance, control.order, control.max_steps
+    options = solver.options(settings.tolerance)
+    numbers = settings.hold, options.tolerance, options.order, options.max_steps
     return Stepper(
-        _STEP[type(control.method)],
+        _STEP[type(options.method)],
         np.array([*coefficients, *numbers, settings.dither, settings.memory_weight, settings.variance]),
         solver.workspace(coefficients, settings.hold, settings.samples),
         solver.name,
@@ -151,7 +151,7 @@ def _step(
     outcome = advance_by_method(
         Body(body[0], body[1], body[2], body[3], body[4], int(body[5]), int(body[6])),
         NOTHING_YET,
-        Physics(
+        Coefficients(
             fixed[0],
             fixed[1],
             fixed[2],
@@ -166,7 +166,7 @@ def _step(
         ),
         float(valve),
         fixed[_HOLD],
-        Control(fixed[_TOLERANCE], int(fixed[_ORDER]), int(fixed[_MAX_STEPS]), False, False, False, method),
+        Options(fixed[_TOLERANCE], int(fixed[_ORDER]), int(fixed[_MAX_STEPS]), False, False, False, method),
         0.0,
         samples,
         workspace[:0],

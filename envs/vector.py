@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.validation import truth_value, whole_number
 from ..crawler import Groups, GroupsLike, Scene
 from ..crawler.model.groups import groups_of_each
-from .batch_engine import Fleet
+from .batch_engine import BatchEngine
 from .rendering.tiling import Tiles
 from .settings import begun, Choice, COUNTS, CRAWLER_OPTIONS, known_options, NUMBERS, Settings
 from .single import StickSlipCrawlerEnv
@@ -126,7 +126,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         if not never:
             longest = min(longest, whole_number("max_episode_steps", max_episode_steps, 1))
         most = _processors() if threads is None else whole_number("threads", threads, 1)
-        self._fleet = Fleet(list(kinds.values()), kind, longest, most)
+        self._fleet = BatchEngine(list(kinds.values()), kind, longest, most)
         self._pending = np.zeros(self.num_envs, np.bool_)
         self._all = np.ones(self.num_envs, np.bool_)
         self._terminations = np.zeros(self.num_envs, np.bool_)

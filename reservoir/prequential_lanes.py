@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiling.compilation import compiled
-from ..compiling.vectors import aligned_zeros, clipped, LANES, load, spread, store
+from ..compiling.vectors import aligned_zeros, broadcast, clipped, LANES, load, store
 from .prequential import PrequentialMemory, RIDGE
 
 __all__ = ["Readouts", "blank_readouts", "forget", "packed", "readouts_of", "score_lanes", "unpack"]
@@ -130,42 +130,42 @@ def score_lanes(
     for f in range(size - 1):
         shifted = load(states, first + f * stride) - load(readouts.scaling, centre + f * LANES)
         store(scratch, f * LANES, shifted * load(readouts.scaling, scale + f * LANES))
-    store(scratch, (size - 1) * LANES, spread(1.0))
+    store(scratch, (size - 1) * LANES, broadcast(1.0))
 
-    uncertainty = spread(1.0)
+    uncertainty = broadcast(1.0)
     for j in range(size):
-        gain = spread(0.0)
+        gain = broadcast(0.0)
         for i in range(size):
             k = i * (i + 1) // 2 + j if i >= j else j * (j + 1) // 2 + i
             gain = gain + load(scratch, i * LANES) * load(readouts.covariance, covariance + k * LANES)
         store(scratch, gains + j * LANES, gain)
         uncertainty = uncertainty + load(scratch, j * LANES) * gain
-    shrink = spread(1.0) / uncertainty
-    leverage = uncertainty - spread(1.0)
-    certainty = clipped(spread(2.0) - leverage)
+    shrink = broadcast(1.0) / uncertainty
+    leverage = uncertainty - broadcast(1.0)
+    certainty = clipped(broadcast(2.0) - leverage)
 
     for d in range(delays - 1, 0, -1):
         store(readouts.past, past + d * LANES, load(readouts.past, past + (d - 1) * LANES))
     store(readouts.past, past, load(innovations, block * LANES))
-    seen = load(readouts.seen, block * LANES) + spread(1.0)
+    seen = load(readouts.seen, block * LANES) + broadcast(1.0)
     store(readouts.seen, block * LANES, seen)
 
-    earned = spread(0.0)
+    earned = broadcast(0.0)
     for d in range(delays):
         row = weights + d * gains
-        prediction = spread(0.0)
+        prediction = broadcast(0.0)
         for f in range(size):
             prediction = prediction + load(readouts.weights, row + f * LANES) * load(scratch, f * LANES)
         target = load(readouts.past, past + d * LANES)
-        known = clipped(seen - spread(float(d)))  # 1, or 0 for a message from before the first
+        known = clipped(seen - broadcast(float(d)))  # 1, or 0 for a message from before the first
         error = target - prediction
-        share = clipped((seen - spread(float(d))) / seen)
-        earned = earned + known * (target * target - error * error / (spread(1.0) + leverage * share))
+        share = clipped((seen - broadcast(float(d))) / seen)
+        earned = earned + known * (target * target - error * error / (broadcast(1.0) + leverage * share))
         step = known * (error * shrink)
         for f in range(size):
             learned = load(readouts.weights, row + f * LANES) + step * load(scratch, gains + f * LANES)
             store(readouts.weights, row + f * LANES, learned)
-    store(innovations, block * LANES, certainty * earned / spread(readouts.variance))
+    store(innovations, block * LANES, certainty * earned / broadcast(readouts.variance))
 
     k = covariance
     for i in range(size):

@@ -38,13 +38,13 @@ def measure_calls(rounds: int) -> list[dict[str, Any]]:
         for work in works.values():
             work()  # compiles
         times = take_turns(works, rounds)
-        call, dispatch, physics = (np.array(list(times[name].values())) * 1e6 / len(WORD) for name in works)
+        call, dispatch, coefficients = (np.array(list(times[name].values())) * 1e6 / len(WORD) for name in works)
         columns = {
             "call": call,
             "dispatch": dispatch,
-            "physics": physics,
+            "physics": coefficients,
             "call less dispatch": call - dispatch,
-            "call less dispatch and physics": call - dispatch - physics,
+            "call less dispatch and physics": call - dispatch - coefficients,
         }
         named = {name: quartiles(column) for name, column in columns.items()}
         results.append({"hold": hold, "tolerance": tolerance, **named})

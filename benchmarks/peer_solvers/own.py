@@ -5,7 +5,7 @@ import numpy as np
 from peer_solvers.problem import Contender, GROUPS, HOLD, Journey, Word
 from stickslip.crawler import REST, Scene, simulate
 from stickslip.crawler.drive import drive
-from stickslip.crawler.model.state import Body, physics, STUCK
+from stickslip.crawler.model.state import Body, coefficients_of, STUCK
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.steps.options import FINISHED
 from stickslip.crawler.steps.workspace import ROWS, WIDTH
@@ -41,14 +41,14 @@ def _simulate(tolerance: float):
 
 
 def _kernel(tolerance: float):
-    coefficients, control = physics(GROUPS, Scene()), SOLVERS["taylor"].control(tolerance)
+    coefficients, options = coefficients_of(GROUPS, Scene()), SOLVERS["taylor"].options(tolerance)
     body = Body(*REST, STUCK, 0)
     events, series = np.empty((0, 2)), np.empty((ROWS, WIDTH))
     samples = {}
 
     def run(word: Word) -> Journey:
         into = samples.setdefault(len(word), np.empty((5, len(word))))
-        outcome, _ = drive(body, coefficients, word.astype(np.float64), HOLD, control, into, events, series)
+        outcome, _ = drive(body, coefficients, word.astype(np.float64), HOLD, options, into, events, series)
         assert outcome.status == FINISHED
         return Journey(outcome.body.foot, outcome.body.slips)
 

@@ -79,7 +79,7 @@ def _compiled(solver):
 
     @jax.jit
     def journey(word, tolerance):
-        control = diffrax.PIDController(rtol=tolerance, atol=tolerance)
+        options = diffrax.PIDController(rtol=tolerance, atol=tolerance)
 
         def unfinished(carry):
             return carry[0] < len(word)
@@ -96,7 +96,7 @@ def _compiled(solver):
                 None,
                 y,
                 motion,
-                stepsize_controller=control,
+                stepsize_controller=options,
                 event=event,
                 adjoint=diffrax.ForwardMode(),
                 max_steps=None,

@@ -46,7 +46,7 @@ def contenders() -> list[Contender]:
 
 def _solver(**options: float):
     z, v, p, x, w = hy.make_vars("z", "v", "p", "x", "w")
-    valve, yielding, drag, recoil, sticks, slides = (hy.par[n] for n in range(6))
+    valve, mobility, drag, recoil, sticks, slides = (hy.par[n] for n in range(6))
     pull = force(z, v, p)
     slips = 0
 
@@ -63,7 +63,7 @@ def _solver(**options: float):
     integrator = hy.taylor_adaptive(
         [
             (z, v),
-            (v, yielding * pull + drag),
+            (v, mobility * pull + drag),
             (p, LAG_RATE * (valve - p)),
             (x, w),
             (w, recoil * (pull + DRAG)),

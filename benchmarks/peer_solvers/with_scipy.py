@@ -97,11 +97,11 @@ def _event(solver: OdeSolver, margin) -> tuple[float, list[float]]:
 
 def _motion(sliding: bool, command: float, gap: float, began: float, momentum: float):
     """Rates, event function and Jacobian of one motion; plain floats, since SciPy's arrays of two cost more."""
-    yielding, drag = inverse_masses[sliding], DRAG / LIGHT if sliding else 0.0
+    mobility, drag = inverse_masses[sliding], DRAG / LIGHT if sliding else 0.0
 
     def rates(t, y):
         z, v = y.tolist()
-        return v, force(z, v, command + gap * math.exp(-t * LAG_RATE)) * yielding + drag
+        return v, force(z, v, command + gap * math.exp(-t * LAG_RATE)) * mobility + drag
 
     def margin(t, y):
         z, v = y.tolist()
@@ -113,6 +113,6 @@ def _motion(sliding: bool, command: float, gap: float, began: float, momentum: f
         z = y.item(0)
         pressure = command + gap * math.exp(-t * LAG_RATE)
         secant = GROUPS.radial_coupling * pressure - 1.0 - 3.0 * GROUPS.duffing * z * z
-        return ((0.0, 1.0), (secant * yielding, -DAMPING * yielding))
+        return ((0.0, 1.0), (secant * mobility, -DAMPING * mobility))
 
     return rates, margin, jacobian

@@ -16,13 +16,14 @@ from ...compiling.vectors import aligned_zeros, LANES
 from ..closed_form.affine_lanes import advance_anchored_lanes
 from ..drive import advance_by_method
 from ..model.equations import pressure_after
-from ..model.state import Body, NOTHING_YET, Physics
+from ..model.state import Body, Coefficients, NOTHING_YET
 from ..motion.events import change_motion, next_event
 from ..motion.loop import end_of_step, is_near, moment_of
-from ..steps.options import ClosedForm, Control, DIVERGED, FINISHED, is_taylor, method_of, OUT_OF_STEPS
+from ..steps.options import ClosedForm, DIVERGED, FINISHED, is_taylor, method_of, Options, OUT_OF_STEPS
 from ..steps.taylor import state_at, trusted
 from ..steps.workspace import FORCE, LENGTH, ROWS, STEP, V, WIDTH, Z
 from .step import (
+    COEFFICIENTS,
     COLUMNS,
     CRAWLER,
     DONE,
@@ -31,7 +32,6 @@ from .step import (
     HOLD,
     LANE_ROWS,
     OPENING,
-    PHYSICS,
     REACHED,
     SAMPLE,
     sample_lanes,
@@ -44,7 +44,7 @@ from .step import (
 __all__ = ["advance_lanes", "lane_workspace", "one_by_one"]
 
 _BODY = len(Body._fields)
-_PHYSICS = len(Physics._fields)
+_PHYSICS = len(Coefficients._fields)
 _UNFINISHED = -1
 
 
@@ -55,13 +55,13 @@ def lane_workspace() -> NDArray[np.float64]:
 
 def advance_lanes(
     bodies: NDArray[np.float64],
-    coefficients: NDArray[np.float64],
+    columns: NDArray[np.float64],
     valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     workspace: NDArray[np.float64],
     statuses: NDArray[np.int8],
@@ -73,8 +73,8 @@ def advance_lanes(
     ----------
     bodies : (7, n) array
         Fields of `Body` in order, a crawler a column; updated.
-    coefficients : (11, n) array
-        Fields of `Physics` in order.
+    columns : (11, n) array
+        Fields of `Coefficients` in order.
     valves : (n,) array
         0 or 1.
     skip : (n,) array of bool
@@ -82,7 +82,7 @@ def advance_lanes(
     begin, end : int
         Slice of crawlers to advance. Threads take disjoint ones.
     hold : float
-    control : Control
+    options : Options
         Neither energies nor events are kept. Its step budget is each crawler's own.
     samples : (3, V, n) array
         Receives z, v, p at the times hold (j + 1) / V.
@@ -100,60 +100,60 @@ def advance_lanes(
 @overload(advance_lanes, jit_options=OPTIONS | {"_nrt": True})
 def _compiled_lanes(
     bodies: NDArray[np.float64],
-    coefficients: NDArray[np.float64],
+    columns: NDArray[np.float64],
     valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     workspace: NDArray[np.float64],
     statuses: NDArray[np.int8],
     elapsed: NDArray[np.float64],
 ) -> Any:
-    if is_taylor(control):
+    if is_taylor(options):
         kernel: Any = _in_lanes
     else:
-        kernel = _in_closed_form if method_of(control) is ClosedForm else one_by_one
+        kernel = _in_closed_form if method_of(options) is ClosedForm else one_by_one
     return kernel.py_func
 
 
 @allocating
 def _in_closed_form(
     bodies: NDArray[np.float64],
-    coefficients: NDArray[np.float64],
+    columns: NDArray[np.float64],
     valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     workspace: NDArray[np.float64],
     statuses: NDArray[np.int8],
     elapsed: NDArray[np.float64],
 ) -> None:
     alike = len(workspace) == 1
-    physics = physics_of(coefficients, begin)
+    coefficients = coefficients_at(columns, begin)
     opened = np.empty(LANES)
     first = begin
     while first < end:
         last = min(first + LANES, end)
-        if alike and physics.anchored and last == first + LANES and not skip[first:last].any():
+        if alike and coefficients.anchored and last == first + LANES and not skip[first:last].any():
             for lane in range(LANES):
                 opened[lane] = valves[first + lane]
-            advance_anchored_lanes(first, physics, bodies, opened, hold, samples, workspace[0], statuses, elapsed)
+            advance_anchored_lanes(first, coefficients, bodies, opened, hold, samples, workspace[0], statuses, elapsed)
         else:
             one_by_one(
                 bodies,
-                coefficients,
+                columns,
                 valves,
                 skip,
                 first,
                 last,
                 hold,
-                control,
+                options,
                 samples,
                 workspace,
                 statuses,
@@ -165,13 +165,13 @@ def _in_closed_form(
 @allocating
 def one_by_one(
     bodies: NDArray[np.float64],
-    coefficients: NDArray[np.float64],
+    columns: NDArray[np.float64],
     valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     workspace: NDArray[np.float64],
     statuses: NDArray[np.int8],
@@ -186,10 +186,10 @@ def one_by_one(
         outcome = advance_by_method(
             body_of(bodies, i),
             NOTHING_YET,
-            physics_of(coefficients, i),
+            coefficients_at(columns, i),
             float(valves[i]),
             hold,
-            control,
+            options,
             0.0,
             own,
             own[:0],  # no events are kept
@@ -224,33 +224,33 @@ def write_body(body: Body, bodies: NDArray[np.float64], i: int) -> None:
 
 
 @compiled
-def physics_of(coefficients: NDArray[np.float64], i: int) -> Physics:
+def coefficients_at(columns: NDArray[np.float64], i: int) -> Coefficients:
     """The coefficients in a column."""
-    return Physics(
-        coefficients[0, i],
-        coefficients[1, i],
-        coefficients[2, i],
-        coefficients[3, i],
-        coefficients[4, i],
-        coefficients[5, i],
-        coefficients[6, i],
-        coefficients[7, i],
-        coefficients[8, i],
-        coefficients[9, i] != 0.0,
-        coefficients[10, i] != 0.0,
+    return Coefficients(
+        columns[0, i],
+        columns[1, i],
+        columns[2, i],
+        columns[3, i],
+        columns[4, i],
+        columns[5, i],
+        columns[6, i],
+        columns[7, i],
+        columns[8, i],
+        columns[9, i] != 0.0,
+        columns[10, i] != 0.0,
     )
 
 
 @allocating
 def _in_lanes(
     bodies: NDArray[np.float64],
-    coefficients: NDArray[np.float64],
+    columns: NDArray[np.float64],
     valves: NDArray[np.int64],
     skip: NDArray[np.bool_],
     begin: int,
     end: int,
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     workspace: NDArray[np.float64],
     statuses: NDArray[np.int8],
@@ -266,25 +266,25 @@ def _in_lanes(
     active = 0
     for lane in range(LANES):
         # Without enough crawlers the lanes left over idle on the first.
-        _load(queue if queue < end else begin, bodies, coefficients, valves, lanes, lane)
+        _load(queue if queue < end else begin, bodies, columns, valves, lanes, lane)
         if queue < end:
             active |= 1 << lane
             queue = _next(queue + 1, end, skip)
 
     while active:
-        calm, last, due, sure = step_lanes(control.method, (control.tolerance, hold, float(count)), lanes)
+        calm, last, due, sure = step_lanes(options.method, (options.tolerance, hold, float(count)), lanes)
         rough = active & ~calm
         last &= calm
         due &= active & calm
         lost = 0
         for lane in range(LANES):
             if (rough >> lane) & 1:
-                status = _step_alone(hold, control, (sure >> lane) & 1 == 1, lanes, lane, series)
+                status = _step_alone(hold, options, (sure >> lane) & 1 == 1, lanes, lane, series)
                 last |= (status == FINISHED) << lane
                 lost |= (status == DIVERGED) << lane
                 due |= (moment_of(lanes[SAMPLING, DONE, lane], count, hold) <= lanes[SAMPLING, REACHED, lane]) << lane
         while due:
-            (more,) = sample_lanes(control.method, (hold, float(count)), lanes)
+            (more,) = sample_lanes(options.method, (hold, float(count)), lanes)
             for lane in range(LANES):
                 if (due >> lane) & 1:
                     i = int(lanes[HOLD, CRAWLER, lane])
@@ -294,7 +294,7 @@ def _in_lanes(
             due &= more
         for lane in range(LANES):
             steps[lane] += 1
-            over = ((last | lost) >> lane) & 1 or steps[lane] >= control.max_steps
+            over = ((last | lost) >> lane) & 1 or steps[lane] >= options.max_steps
             if not (over and (active >> lane) & 1):
                 continue
             i = int(lanes[HOLD, CRAWLER, lane])
@@ -303,7 +303,7 @@ def _in_lanes(
             elapsed[i] = lanes[STATE, ELAPSED, lane]
             statuses[i] = FINISHED if (last >> lane) & 1 else DIVERGED if (lost >> lane) & 1 else OUT_OF_STEPS
             if queue < end:
-                _load(queue, bodies, coefficients, valves, lanes, lane)
+                _load(queue, bodies, columns, valves, lanes, lane)
                 steps[lane] = 0
                 queue = _next(queue + 1, end, skip)
             else:
@@ -322,7 +322,7 @@ def _next(i: int, end: int, skip: NDArray[np.bool_]) -> int:
 def _load(
     i: int,
     bodies: NDArray[np.float64],
-    coefficients: NDArray[np.float64],
+    columns: NDArray[np.float64],
     valves: NDArray[np.int64],
     lanes: NDArray[np.float64],
     lane: int,
@@ -330,7 +330,7 @@ def _load(
     for row in range(_BODY):
         lanes[STATE, row, lane] = bodies[row, i]
     for row in range(_PHYSICS):
-        lanes[PHYSICS, row, lane] = coefficients[row, i]
+        lanes[COEFFICIENTS, row, lane] = columns[row, i]
     lanes[STATE, ELAPSED, lane] = 0.0
     lanes[HOLD, OPENING, lane] = bodies[2, i]
     lanes[HOLD, VALVE, lane] = valves[i]
@@ -341,7 +341,7 @@ def _load(
 @compiled
 def _step_alone(
     hold: float,
-    control: Control,
+    options: Options,
     sure: bool,
     lanes: NDArray[np.float64],
     lane: int,
@@ -351,11 +351,11 @@ def _step_alone(
 
     Its samples are left to be taken with those of the other lanes.
     """
-    order = control.order
+    order = options.order
     for row in (Z, V, FORCE, STEP):
         for n in range(order + 2):
             series[row, n] = lanes[row, n, lane]
-    physics = physics_of(lanes[PHYSICS], lane)
+    coefficients = coefficients_at(lanes[COEFFICIENTS], lane)
     body = body_of(lanes[STATE], lane)
     before = lanes[STATE, ELAPSED, lane]
     valve = lanes[HOLD, VALVE, lane]
@@ -372,21 +372,21 @@ def _step_alone(
             body.slips,
         )
     else:
-        longest, end = trusted(opening, body, physics, valve, before, control.tolerance, order, series)
+        longest, end = trusted(opening, body, coefficients, valve, before, options.tolerance, order, series)
         if not longest >= 0.0:
             return DIVERGED
-    length, motion = next_event(body, end, physics, valve, order, longest, control.tolerance, 0.0, series)
+    length, motion = next_event(body, end, coefficients, valve, order, longest, options.tolerance, 0.0, series)
     reached, last = end_of_step(body, hold, before, length, motion)
     following = end
     if length < longest:
-        pressure = pressure_after(opening, physics, valve, reached)
-        following = state_at(body, physics, pressure, order, length, series)
+        pressure = pressure_after(opening, coefficients, valve, reached)
+        following = state_at(body, coefficients, pressure, order, length, series)
     lanes[STEP, LENGTH, lane] = length
     lanes[SAMPLING, REACHED, lane] = reached
     if not is_near(following):
         return DIVERGED
     if motion != body.motion:
-        following = change_motion(following, motion, physics)
+        following = change_motion(following, motion, coefficients)
     write_body(following, lanes[STATE], lane)
     lanes[STATE, ELAPSED, lane] = reached
     return FINISHED if last else _UNFINISHED

@@ -9,7 +9,7 @@ from typing import Any
 from ...compiling.tracing import unrolled_in_lanes, where
 from ...compiling.vectors import LANES
 from ..model.equations import moved, pressure_after
-from ..model.state import Body, Physics
+from ..model.state import Body, Coefficients
 from ..motion.events import is_quiet
 from ..motion.loop import is_near, moment_of
 from ..steps.taylor import is_sound, step_inputs
@@ -18,6 +18,7 @@ from ..steps.workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, W
 
 __all__ = [
     "BEGIN",
+    "COEFFICIENTS",
     "COLUMNS",
     "CRAWLER",
     "DONE",
@@ -27,7 +28,6 @@ __all__ = [
     "LANE_ROWS",
     "MOTION",
     "OPENING",
-    "PHYSICS",
     "REACHED",
     "SAMPLE",
     "SAMPLING",
@@ -40,7 +40,7 @@ __all__ = [
 
 COLUMNS = WIDTH
 # Rows of the lanes' array after Z, V, (P) and FORCE.
-STATE, HOLD, PHYSICS, SAMPLING, SAMPLE, END = range(STEP + 1, STEP + 7)
+STATE, HOLD, COEFFICIENTS, SAMPLING, SAMPLE, END = range(STEP + 1, STEP + 7)
 LANE_ROWS = STEP + 7
 # Columns of the row STATE: the fields of `Body`, and the time into the hold.
 MOTION, SLIPS, ELAPSED = 5, 6, 7
@@ -99,10 +99,10 @@ def _sample(order: int, rows: Any, hold: Any, count: Any) -> tuple[dict[int, lis
     return {SAMPLE: [z, v, pressure], SAMPLING: [done]}, [moment_of(done, count, hold) <= reached]
 
 
-def _lane(rows: Any) -> tuple[Body, Physics]:
+def _lane(rows: Any) -> tuple[Body, Coefficients]:
     body = Body(*(rows[STATE][n] for n in range(len(Body._fields))))
-    numbers: list[Any] = [rows[PHYSICS][n] for n in range(len(Physics._fields))]
-    return body, Physics(*numbers[:-2], *(flag != 0.0 for flag in numbers[-2:]))
+    numbers: list[Any] = [rows[COEFFICIENTS][n] for n in range(len(Coefficients._fields))]
+    return body, Coefficients(*numbers[:-2], *(flag != 0.0 for flag in numbers[-2:]))
 
 
 step_lanes = unrolled_in_lanes(_step, LANES, 4)

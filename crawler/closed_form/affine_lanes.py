@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled
-from ...compiling.vectors import faded, load, spread, store
+from ...compiling.vectors import broadcast, flush_to_zero, load, store
 from ..model.equations import acceleration_at_no_force
-from ..model.state import Physics, STUCK
+from ..model.state import Coefficients, STUCK
 from ..motion.loop import FARTHEST
 from ..steps.options import DIVERGED, FINISHED
 from ..steps.propagator import rates_of
@@ -18,7 +18,7 @@ __all__ = ["advance_anchored_lanes"]
 @compiled
 def advance_anchored_lanes(
     first: int,
-    physics: Physics,
+    coefficients: Coefficients,
     bodies: NDArray[np.float64],
     valves: NDArray[np.float64],
     hold: float,
@@ -32,7 +32,7 @@ def advance_anchored_lanes(
     Parameters
     ----------
     first : int
-    physics : Physics
+    coefficients : Coefficients
         Of them all.
     bodies, samples, statuses, elapsed
         As for `advance_lanes`, all C-contiguous.
@@ -43,18 +43,18 @@ def advance_anchored_lanes(
         From `tabulate`, for all of them.
     """
     width = bodies.shape[1]
-    rates = rates_of(physics, STUCK)
+    rates = rates_of(coefficients, STUCK)
     valve = load(valves, 0)
-    rest = valve + spread(acceleration_at_no_force(physics, STUCK) / rates.yielding)
-    gap = faded(load(bodies, 2 * width + first) - valve, FAINTEST)
-    v = faded(load(bodies, width + first), FAINTEST)
-    z = faded(load(bodies, first) - rest, FAINTEST)
+    rest = valve + broadcast(acceleration_at_no_force(coefficients, STUCK) / rates.mobility)
+    gap = flush_to_zero(load(bodies, 2 * width + first) - valve, FAINTEST)
+    v = flush_to_zero(load(bodies, width + first), FAINTEST)
+    z = flush_to_zero(load(bodies, first) - rest, FAINTEST)
     count = samples.shape[1]
     for j in range(count):
         over = table[j]
-        moved_z = rest + (spread(over[0]) * z + spread(over[1]) * v + spread(over[2]) * gap)
-        moved_v = spread(over[3]) * z + spread(over[4]) * v + spread(over[5]) * gap
-        pressure = valve + spread(over[6]) * gap
+        moved_z = rest + (broadcast(over[0]) * z + broadcast(over[1]) * v + broadcast(over[2]) * gap)
+        moved_v = broadcast(over[3]) * z + broadcast(over[4]) * v + broadcast(over[5]) * gap
+        pressure = valve + broadcast(over[6]) * gap
         store(samples, j * width + first, moved_z)
         store(samples, (count + j) * width + first, moved_v)
         store(samples, (2 * count + j) * width + first, pressure)

@@ -8,7 +8,7 @@ second never does, but is the balance itself. The first is taken wherever it is 
 import math
 
 from ...compiling.compilation import compiled
-from ..model.state import Body, Ledger, Physics
+from ..model.state import Body, Coefficients, Ledger
 from ..motion.energy import posted
 from ..steps.propagator import decay, Rates
 from .search import Deviation
@@ -24,7 +24,7 @@ def account_linear(
     ledger: Ledger,
     before: Body,
     after: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     rates: Rates,
     start: Deviation,
@@ -37,12 +37,12 @@ def account_linear(
         abs(start.gap) * (abs(start.z) + abs(end.z))
         + start.z * start.z
         + end.z * end.z
-        + (start.v * start.v + end.v * end.v) / rates.yielding
+        + (start.v * start.v + end.v * end.v) / rates.mobility
     )
     if not size <= limit:
         work, viscous = _by_parts(rates, start, end, t)
     work += valve * (after.deformation - before.deformation)
-    return posted(ledger, before, after, physics, work, viscous)
+    return posted(ledger, before, after, coefficients, work, viscous)
 
 
 @compiled
@@ -65,7 +65,7 @@ def _by_exponentials(rates: Rates, start: Deviation, t: float) -> tuple[float, f
         one_over_apart = complex(0.5 / rates.spread, 0.0)
         early, late = complex(decay(rates.slow * t), 0.0), complex(decay(rates.fast * t), 0.0)
         resonance = (lag - rates.slow) * (lag - rates.fast)
-    share = rates.yielding * start.gap / resonance
+    share = rates.mobility * start.gap / resonance
     z, v = start.z - share, start.v + lag * share
     # v = sum of amplitude e^(-rate t)
     one = -first * (v + second * z) * one_over_apart
@@ -73,11 +73,11 @@ def _by_exponentials(rates: Rates, start: Deviation, t: float) -> tuple[float, f
     three = -lag * share
 
     # int e^(-(rate + rate') t) dt for each pair
-    half = 0.5 / rates.yielding
+    half = 0.5 / rates.mobility
     one_one = (1.0 - early * early) * second * half
     two_two = (1.0 - late * late) * first * half
     one_two = -math.expm1(-2.0 * mean * t) / (2.0 * mean) if mean > 0.0 else t
-    both = 1.0 / (lag * (lag + 2.0 * mean) + rates.yielding)
+    both = 1.0 / (lag * (lag + 2.0 * mean) + rates.mobility)
     one_lag = (1.0 - early * lagging) * (second + lag) * both
     two_lag = (1.0 - late * lagging) * (first + lag) * both
     lag_lag = -math.expm1(-2.0 * lag * t) / (2.0 * lag)
@@ -106,10 +106,10 @@ def _by_parts(rates: Rates, start: Deviation, end: Deviation, t: float) -> tuple
     lagging = decay(lag * t)
     grown = lagging * end.z - start.z
     squared = -math.expm1(-2.0 * lag * t) / (2.0 * lag)
-    pushed = rates.yielding * start.gap * squared - (lagging * end.v - start.v)
-    friction = rates.yielding * rates.damping
-    moment = (pushed - (lag + friction) * grown) / (lag * (lag + friction) + rates.yielding)
+    pushed = rates.mobility * start.gap * squared - (lagging * end.v - start.v)
+    friction = rates.mobility * rates.damping
+    moment = (pushed - (lag + friction) * grown) / (lag * (lag + friction) + rates.mobility)
     work = start.gap * (grown + lag * moment)
-    kinetic = 0.5 * (end.v - start.v) * (end.v + start.v) / rates.yielding
+    kinetic = 0.5 * (end.v - start.v) * (end.v + start.v) / rates.mobility
     elastic = 0.5 * (end.z - start.z) * (end.z + start.z)
     return work, work - kinetic - elastic

@@ -10,19 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiling.compilation import allocating, compiled
-from ...compiling.roots import first_descent
+from ...compiling.roots import first_downcrossing
 from ..model.equations import acceleration_at_no_force, force, moved, retardation
 from ..model.groups import Groups
-from ..model.state import BACKWARD, Body, FORWARD, Ledger, Physics, STUCK
+from ..model.state import BACKWARD, Body, Coefficients, FORWARD, Ledger, STUCK
 from ..motion.events import breaks_loose, change_motion, comes_to_rest, foot_speed, motion_after_rest, turning_speed
 from ..motion.loop import is_near, moment_of, record, sampled_by
 from ..motion.tangent import carry_linear, saltate
-from ..steps.options import AFRESH, Control, DIVERGED, FINISHED, Leg, LOG_FULL, OUT_OF_STEPS, Outcome, PAUSED, Taylor20
+from ..steps.options import AFRESH, DIVERGED, FINISHED, Leg, LOG_FULL, Options, OUT_OF_STEPS, Outcome, PAUSED, Taylor20
 from ..steps.propagator import Propagator, propagator, Rates, rates_of, tabulated
 from ..steps.taylor import expand
 from ..steps.workspace import ROWS, SCRATCH, WIDTH
 from .energy import account_linear
-from .search import Deviation, deviation, first_fall, Margin, Modes, modes_of, safe_start
+from .search import Deviation, deviation, EventFunction, first_fall, Modes, modes_of, safe_start
 
 __all__ = ["advance_linear", "is_linear", "require_linear"]
 
@@ -53,10 +53,10 @@ def require_linear(groups: Groups) -> None:
 def advance_linear(
     body: Body,
     ledger: Ledger,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     hold: float,
-    control: Control,
+    options: Options,
     start: float,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
@@ -69,8 +69,8 @@ def advance_linear(
 
     Parameters
     ----------
-    body, ledger, physics, valve, hold, control, start, samples, events, begin, end, leg
-        As for `advance`. Of `control` the order does not matter, and the tolerance to nothing but the turns of a free
+    body, ledger, coefficients, valve, hold, options, start, samples, events, begin, end, leg
+        As for `advance`. Of `options` the order does not matter, and the tolerance to nothing but the turns of a free
         foot; `max_steps` bounds the evaluations in search of events; it pauses between two events only.
     workspace : (2 S + CHANGES, ENTRIES) array
         From `tabulate`, for this crawler, hold and number S of samples.
@@ -90,8 +90,8 @@ def advance_linear(
     while True:
         if leg is not None and spent >= leg.steps:
             return Outcome(PAUSED, elapsed, spent, logged, body, ledger, AFRESH)
-        rates = rates_of(physics, body.motion)
-        deviating = deviation(body, physics, valve, rates)
+        rates = rates_of(coefficients, body.motion)
+        deviating = deviation(body, coefficients, valve, rates)
         length = close - elapsed
         resting = body.motion == STUCK
         # A hold's last sample is its end.
@@ -100,13 +100,13 @@ def advance_linear(
             whole = tabulated(workspace, (count if resting else 2 * count) - 1)
         else:
             whole = propagator(rates, length)
-        budget = control.max_steps - spent
+        budget = options.max_steps - spent
         moment, motion, looks = _next_event(
-            body, deviating, physics, valve, rates, length, whole, control.tolerance, budget
+            body, deviating, coefficients, valve, rates, length, whole, options.tolerance, budget
         )
         spent += looks + 1
-        if spent >= control.max_steps:
-            return Outcome(OUT_OF_STEPS, elapsed, control.max_steps, logged, body, ledger, AFRESH)
+        if spent >= options.max_steps:
+            return Outcome(OUT_OF_STEPS, elapsed, options.max_steps, logged, body, ledger, AFRESH)
         last = motion == body.motion
         reached = close if last else elapsed + moment
         following = body
@@ -121,26 +121,26 @@ def advance_linear(
                 over = tabulated(workspace, done if resting else count + done)
             else:
                 over = propagator(rates, since)
-            following = _carried(body, deviating, physics, valve, over, since)
+            following = _carried(body, deviating, coefficients, valve, over, since)
             record(following, samples, done)
             done += 1
         if not (last and ends_sampled):
             over = whole if last else propagator(rates, moment)
-            following = _carried(body, deviating, physics, valve, over, moment)
+            following = _carried(body, deviating, coefficients, valve, over, moment)
         if not is_near(following):
             return Outcome(DIVERGED, elapsed, spent, logged, body, ledger, AFRESH)
-        if control.energy:
-            ended = deviation(following, physics, valve, rates)
-            ledger = account_linear(ledger, body, following, physics, valve, rates, deviating, ended, moment)
-        if control.tangents:
+        if options.energy:
+            ended = deviation(following, coefficients, valve, rates)
+            ledger = account_linear(ledger, body, following, coefficients, valve, rates, deviating, ended, moment)
+        if options.tangents:
             over = whole if last else propagator(rates, moment)
-            carry_linear(body, physics, over, moment, workspace)
+            carry_linear(body, coefficients, over, moment, workspace)
         elapsed = reached
         if motion != body.motion:
-            if control.tangents:
-                saltate(following, motion, physics, valve, start + elapsed, workspace)
-            following = change_motion(following, motion, physics)
-            if control.log:
+            if options.tangents:
+                saltate(following, motion, coefficients, valve, start + elapsed, workspace)
+            following = change_motion(following, motion, coefficients)
+            if options.log:
                 if logged == events.shape[0]:
                     return Outcome(LOG_FULL, elapsed, spent, logged, body, ledger, AFRESH)
                 events[logged, 0] = start + elapsed
@@ -152,18 +152,20 @@ def advance_linear(
 
 
 @compiled
-def _carried(body: Body, start: Deviation, physics: Physics, valve: float, over: Propagator, t: float) -> Body:
+def _carried(
+    body: Body, start: Deviation, coefficients: Coefficients, valve: float, over: Propagator, t: float
+) -> Body:
     """State a time `t` after `body`, by the propagator over that time."""
     z = over.z_z * start.z + over.z_v * start.v + over.z_q * start.gap
     v = over.v_z * start.z + over.v_v * start.v + over.v_q * start.gap
-    return moved(body, physics, start.rest + z, v, valve + over.q_q * start.gap, t)
+    return moved(body, coefficients, start.rest + z, v, valve + over.q_q * start.gap, t)
 
 
 @compiled
 def _next_event(
     body: Body,
     start: Deviation,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     rates: Rates,
     length: float,
@@ -172,49 +174,51 @@ def _next_event(
     budget: int,
 ) -> tuple[float, int, int]:
     """Where the smooth motion ends, at most at `length`, the motion that follows, and the evaluations spent."""
-    if physics.anchored:
+    if coefficients.anchored:
         return length, body.motion, 0
     modes = modes_of(start, rates)
     if body.motion == STUCK:
-        grip = _grip(FORWARD, physics, rates)
+        grip = _grip(FORWARD, coefficients, rates)
         moment, spent = first_fall(grip, start, rates, modes, 0.0, length, whole, budget)
         motion = FORWARD
-        if not physics.ratchet and spent < budget:
-            grip = _grip(BACKWARD, physics, rates)
+        if not coefficients.ratchet and spent < budget:
+            grip = _grip(BACKWARD, coefficients, rates)
             backward, looks = first_fall(grip, start, rates, modes, 0.0, length, whole, budget - spent)
             spent += looks
             if backward < moment:
                 moment, motion = backward, BACKWARD
         return (moment, motion, spent) if moment <= length else (length, STUCK, spent)
 
-    beyond = turning_speed(body, physics, tolerance)
-    moment, spent = _standstill(body, start, physics, valve, rates, modes, length, whole, beyond, budget)
+    beyond = turning_speed(body, coefficients, tolerance)
+    moment, spent = _standstill(body, start, coefficients, valve, rates, modes, length, whole, beyond, budget)
     rests = moment <= length
     if rests:
         over = propagator(rates, moment)
     else:
         moment, over = length, whole
-    following = _carried(body, start, physics, valve, over, moment)
+    following = _carried(body, start, coefficients, valve, over, moment)
     z, v = following.deformation, following.velocity
-    if rests or comes_to_rest(body.motion, physics, z, v, following.pressure, following.foot_velocity):
-        pull = force(physics, z, v, following.pressure)
-        return moment, motion_after_rest(body.motion, physics, pull), spent
+    if rests or comes_to_rest(body.motion, coefficients, z, v, following.pressure, following.foot_velocity):
+        pull = force(coefficients, z, v, following.pressure)
+        return moment, motion_after_rest(body.motion, coefficients, pull), spent
     return length, body.motion, spent
 
 
 @compiled
-def _grip(direction: int, physics: Physics, rates: Rates) -> Margin:
+def _grip(direction: int, coefficients: Coefficients, rates: Rates) -> EventFunction:
     """Margin by which the resting foot holds, s plus or less F + r slope, where Y F = v' less its constant part."""
-    at_rest = physics.foot_fraction * physics.slope - acceleration_at_no_force(physics, STUCK) / rates.yielding
-    constant = physics.static_friction + direction * at_rest
-    return Margin(constant, 0.0, direction / rates.yielding, True, physics.static_friction + abs(at_rest))
+    at_rest = (
+        coefficients.foot_fraction * coefficients.slope - acceleration_at_no_force(coefficients, STUCK) / rates.mobility
+    )
+    constant = coefficients.static_friction + direction * at_rest
+    return EventFunction(constant, 0.0, direction / rates.mobility, True, coefficients.static_friction + abs(at_rest))
 
 
 @allocating
 def _standstill(
     body: Body,
     start: Deviation,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     rates: Rates,
     modes: Modes,
@@ -224,10 +228,10 @@ def _standstill(
     budget: int,
 ) -> tuple[float, int]:
     """When the sliding foot's speed, by momentum, and `beyond` more falls through zero; inf if not by `length`."""
-    payload, direction = physics.payload_fraction, body.motion
-    margin = Margin(
+    payload, direction = coefficients.payload_fraction, body.motion
+    margin = EventFunction(
         direction * (body.foot_velocity + payload * body.velocity) + beyond,
-        -direction * retardation(physics, direction),
+        -direction * retardation(coefficients, direction),
         -direction * payload,
         False,
         abs(body.foot_velocity) + payload * abs(body.velocity),
@@ -236,15 +240,17 @@ def _standstill(
     if body.foot_velocity == 0.0 and beyond == 0.0:
         # A slip begins at rest, and its speed is at first a difference that rounding swamps.
         gained = margin.drift + margin.factor * start.acceleration
-        if breaks_loose(direction, physics, body.deformation, body.velocity, body.pressure):
-            gained = max(gained, (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction)
+        if breaks_loose(direction, coefficients, body.deformation, body.velocity, body.pressure):
+            gained = max(
+                gained, (coefficients.static_friction - coefficients.kinetic_friction) / coefficients.foot_fraction
+            )
         begin = safe_start(margin, start, rates, modes, gained)
         if begin == 0.0:
-            begin = min(length, 1.0 / max(rates.fast, rates.lag, math.sqrt(rates.yielding)))
+            begin = min(length, 1.0 / max(rates.fast, rates.lag, math.sqrt(rates.mobility)))
             series = np.empty((ROWS, WIDTH))
-            expand(body, physics, valve, Taylor20(), 1.0, begin, series)
-            degree = foot_speed(body, physics, _ORDER, 0.0, series)
-            moment = first_descent(series[SCRATCH], degree, begin)
+            expand(body, coefficients, valve, Taylor20(), 1.0, begin, series)
+            degree = foot_speed(body, coefficients, _ORDER, 0.0, series)
+            moment = first_downcrossing(series[SCRATCH], degree, begin)
             if moment <= begin:
                 return moment, 1
         if not begin < length:

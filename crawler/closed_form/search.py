@@ -13,13 +13,13 @@ import numpy as np
 
 from ...compiling.compilation import compiled
 from ..model.equations import acceleration_at_no_force
-from ..model.state import Body, Physics
+from ..model.state import Body, Coefficients
 from ..steps.propagator import decay, Propagator, propagator, Rates
 
 __all__ = [
     "FAINTEST",
     "Deviation",
-    "Margin",
+    "EventFunction",
     "Modes",
     "deviation",
     "first_fall",
@@ -54,7 +54,7 @@ class Deviation(NamedTuple):
     size: float  # of the terms that make up the acceleration, without their cancellation
 
 
-class Margin(NamedTuple):
+class EventFunction(NamedTuple):
     """An event function: constant + drift t + factor times v, or v' where `accelerating`."""
 
     constant: float
@@ -91,14 +91,14 @@ class _Look(NamedTuple):
 
 
 @compiled
-def deviation(body: Body, physics: Physics, valve: float, rates: Rates) -> Deviation:
+def deviation(body: Body, coefficients: Coefficients, valve: float, rates: Rates) -> Deviation:
     """State of `body` relative to its place of rest under the present valve and motion."""
     gap = _faded(body.pressure - valve)
     v = _faded(body.velocity)
-    rest = valve + acceleration_at_no_force(physics, body.motion) / rates.yielding
+    rest = valve + acceleration_at_no_force(coefficients, body.motion) / rates.mobility
     z = _faded(body.deformation - rest)
-    acceleration = rates.yielding * (gap - z - rates.damping * v)
-    size = rates.yielding * (body.pressure + abs(body.deformation) + abs(z) + rates.damping * abs(v))
+    acceleration = rates.mobility * (gap - z - rates.damping * v)
+    size = rates.mobility * (body.pressure + abs(body.deformation) + abs(z) + rates.damping * abs(v))
     return Deviation(rest, z, v, gap, acceleration, size)
 
 
@@ -111,7 +111,7 @@ def _faded(value: float) -> float:
 def modes_of(start: Deviation, rates: Rates) -> Modes:
     """Amplitudes of a body whose rates are real and distinct (where they are not, those are not used)."""
     slow, fast, apart = rates.slow, rates.fast, 2.0 * rates.spread
-    push = rates.yielding * start.gap
+    push = rates.mobility * start.gap
     if abs(rates.lag - slow) <= abs(rates.lag - fast):
         driven = push / (fast - rates.lag)
         lone = (driven - start.v - slow * start.z) / apart
@@ -124,7 +124,7 @@ def modes_of(start: Deviation, rates: Rates) -> Modes:
 @compiled
 def largest_derivative(rates: Rates, modes: Modes, order: int, t: float, z: float, v: float, gap: float) -> float:
     """Bound on the derivative of the given order of v, from `t` on, where the state is z, v, gap."""
-    if rates.oscillates or rates.spread * rates.spread < _ALIKE * rates.yielding:
+    if rates.oscillates or rates.spread * rates.spread < _ALIKE * rates.mobility:
         return _energy_bound(rates, order, z, v, gap)
     power = order + 1
     bound = abs(modes.lone) * modes.lone_rate**power * decay(modes.lone_rate * t)
@@ -148,23 +148,23 @@ def _energy_bound(rates: Rates, order: int, z: float, v: float, gap: float) -> f
     square = (lag - rates.mean) ** 2 + (1.0 if rates.oscillates else -1.0) * rates.spread**2
     push = gap
     driven = 0.0
-    if abs(square) > _RESONANT * rates.yielding:
-        share = rates.yielding / square
+    if abs(square) > _RESONANT * rates.mobility:
+        share = rates.mobility / square
         z -= share * gap
         v += share * lag * gap
         driven = abs(share * gap) * lag ** (order + 1)
         push = 0.0
     else:
-        driven = rates.yielding * abs(gap) * lag ** (order - 1)
+        driven = rates.mobility * abs(gap) * lag ** (order - 1)
     earlier, latest = z, v
     for _ in range(order):
-        earlier, latest = latest, rates.yielding * (push - earlier - rates.damping * latest)
+        earlier, latest = latest, rates.mobility * (push - earlier - rates.damping * latest)
         push *= -lag
-    return math.sqrt(latest * latest + rates.yielding * earlier * earlier) + driven
+    return math.sqrt(latest * latest + rates.mobility * earlier * earlier) + driven
 
 
 @compiled
-def _look(margin: Margin, start: Deviation, rates: Rates, over: Propagator, t: float) -> _Look:
+def _look(margin: EventFunction, start: Deviation, rates: Rates, over: Propagator, t: float) -> _Look:
     """The event function at `t`, which `over` leads to, with two derivatives, and how far its rounding may reach."""
     z = over.z_z * start.z + over.z_v * start.v + over.z_q * start.gap
     v = over.v_z * start.z + over.v_v * start.v + over.v_q * start.gap
@@ -172,11 +172,11 @@ def _look(margin: Margin, start: Deviation, rates: Rates, over: Propagator, t: f
     gap_rate = -rates.lag * gap
     # Propagated rather than made from the forces, which all but cancel in an overdamped body.
     acceleration = over.v_z * start.v + over.v_v * start.acceleration - over.v_q * rates.lag * start.gap
-    jerk = rates.yielding * (gap_rate - v - rates.damping * acceleration)
+    jerk = rates.mobility * (gap_rate - v - rates.damping * acceleration)
     if margin.accelerating:
         value = margin.constant + margin.factor * acceleration
         slope = margin.factor * jerk
-        bend = margin.factor * rates.yielding * (-rates.lag * gap_rate - acceleration - rates.damping * jerk)
+        bend = margin.factor * rates.mobility * (-rates.lag * gap_rate - acceleration - rates.damping * jerk)
         terms = abs(over.v_z * start.v) + abs(over.v_v) * start.size + abs(over.v_q * rates.lag * start.gap)
     else:
         value = margin.constant + margin.drift * t + margin.factor * v
@@ -197,7 +197,7 @@ def _reach(value: float, slope: float, curvature: float) -> float:
 
 
 @compiled
-def safe_start(margin: Margin, start: Deviation, rates: Rates, modes: Modes, slope: float) -> float:
+def safe_start(margin: EventFunction, start: Deviation, rates: Rates, modes: Modes, slope: float) -> float:
     """When a function that starts at 0 with the given slope is beyond the reach of rounding, and never was 0 between.
 
     0 where no such time is known.
@@ -212,7 +212,7 @@ def safe_start(margin: Margin, start: Deviation, rates: Rates, modes: Modes, slo
 
 @compiled
 def first_fall(
-    margin: Margin,
+    margin: EventFunction,
     start: Deviation,
     rates: Rates,
     modes: Modes,
@@ -225,7 +225,7 @@ def first_fall(
 
     Parameters
     ----------
-    margin : Margin
+    margin : EventFunction
     start : Deviation
         State at time 0.
     rates : Rates
@@ -284,7 +284,7 @@ def first_fall(
 
 @compiled
 def _root(
-    margin: Margin, start: Deviation, rates: Rates, look: _Look, low: float, high: float, spent: int
+    margin: EventFunction, start: Deviation, rates: Rates, look: _Look, low: float, high: float, spent: int
 ) -> tuple[float, int]:
     """The only root in [low, high], where the function falls; the parabola of the present instant, kept inside."""
     moment = low

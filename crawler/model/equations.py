@@ -2,15 +2,15 @@
 
 from ...compiling.compilation import formula
 from ...compiling.tracing import exp, where
-from .state import Body, Physics, STUCK
+from .state import Body, Coefficients, STUCK
 
 __all__ = [
     "acceleration_at_no_force",
     "foot_velocity_at",
     "force",
     "force_terms",
-    "inverse_mass",
     "is_free",
+    "mobility_of",
     "moved",
     "pressure_after",
     "retardation",
@@ -21,64 +21,70 @@ _FAINTEST = 1e-250
 
 
 @formula
-def force(physics: Physics, z: float, v: float, p: float) -> float:
+def force(coefficients: Coefficients, z: float, v: float, p: float) -> float:
     """F = p (1 + Pi5 z) - z - Pi1 z^3 - 2 Pi2 v."""
-    return p * (1.0 + physics.radial_coupling * z) - z * (1.0 + physics.duffing * z * z) - physics.damping * v
+    return (
+        p * (1.0 + coefficients.radial_coupling * z)
+        - z * (1.0 + coefficients.duffing * z * z)
+        - coefficients.damping * v
+    )
 
 
 @formula
-def force_terms(physics: Physics, z: float, v: float) -> float:
+def force_terms(coefficients: Coefficients, z: float, v: float) -> float:
     """Size of the terms that a force is made of, to which its rounding is relative."""
-    return 1.0 + abs(z) * (1.0 + physics.duffing * z * z) + physics.damping * abs(v)
+    return 1.0 + abs(z) * (1.0 + coefficients.duffing * z * z) + coefficients.damping * abs(v)
 
 
 @formula
-def pressure_after(body: Body, physics: Physics, valve: float, t: float) -> float:
+def pressure_after(body: Body, coefficients: Coefficients, valve: float, t: float) -> float:
     """Pressure a time `t` after `body`, while the valve holds."""
-    gap = (body.pressure - valve) * exp(-t * physics.lag_rate)
+    gap = (body.pressure - valve) * exp(-t * coefficients.lag_rate)
     return where(abs(gap) > _FAINTEST, valve + gap, valve)
 
 
 @formula
-def inverse_mass(physics: Physics, motion: int) -> float:
+def mobility_of(coefficients: Coefficients, motion: int) -> float:
     """Rate v' per force: 1 / (1 - r) while the foot sticks, 1 / (r (1 - r)) while it slides."""
-    return 1.0 / (physics.payload_fraction * where(motion == STUCK, 1.0, physics.foot_fraction))
+    return 1.0 / (coefficients.payload_fraction * where(motion == STUCK, 1.0, coefficients.foot_fraction))
 
 
 @formula
-def acceleration_at_no_force(physics: Physics, motion: int) -> float:
+def acceleration_at_no_force(coefficients: Coefficients, motion: int) -> float:
     """Rate v' of a body without force: its payload runs downhill while the foot sticks; drag tells while it slides."""
-    return where(motion == STUCK, -physics.slope, motion * physics.kinetic_friction / physics.foot_fraction)
+    return where(
+        motion == STUCK, -coefficients.slope, motion * coefficients.kinetic_friction / coefficients.foot_fraction
+    )
 
 
 @formula
-def is_free(physics: Physics) -> bool:
+def is_free(coefficients: Coefficients) -> bool:
     """Whether nothing holds the foot, forward or backward: it slides alike both ways, and need never rest."""
-    return where(physics.ratchet, 1.0, physics.static_friction) == 0.0
+    return where(coefficients.ratchet, 1.0, coefficients.static_friction) == 0.0
 
 
 @formula
-def retardation(physics: Physics, motion: int) -> float:
+def retardation(coefficients: Coefficients, motion: int) -> float:
     """Rate at which friction and slope take momentum from a crawler whose foot slides."""
-    return motion * physics.kinetic_friction + physics.slope
+    return motion * coefficients.kinetic_friction + coefficients.slope
 
 
 @formula
-def foot_velocity_at(body: Body, physics: Physics, velocity: float, t: float) -> float:
+def foot_velocity_at(body: Body, coefficients: Coefficients, velocity: float, t: float) -> float:
     """Velocity of the sliding foot a time `t` into the step, when the body stretches at the rate `velocity`."""
-    gained = physics.payload_fraction * (body.velocity - velocity)
-    return body.foot_velocity + gained - retardation(physics, body.motion) * t
+    gained = coefficients.payload_fraction * (body.velocity - velocity)
+    return body.foot_velocity + gained - retardation(coefficients, body.motion) * t
 
 
 @formula
-def moved(body: Body, physics: Physics, z: float, v: float, pressure: float, t: float) -> Body:
+def moved(body: Body, coefficients: Coefficients, z: float, v: float, pressure: float, t: float) -> Body:
     """State a time `t` into a smooth motion that has brought the body to `z` and `v`; the foot by momentum."""
     sliding = body.motion != STUCK
-    payload = physics.payload_fraction
+    payload = coefficients.payload_fraction
     momentum = body.foot_velocity + payload * body.velocity
-    way = (momentum - 0.5 * retardation(physics, body.motion) * t) * t - payload * (z - body.deformation)
+    way = (momentum - 0.5 * retardation(coefficients, body.motion) * t) * t - payload * (z - body.deformation)
     foot = where(sliding, body.foot + way, body.foot)
     # At a stop rounding can leave it a hair beyond zero. A free foot may have begun to turn round.
-    speed = body.motion * foot_velocity_at(body, physics, v, t)
-    foot_velocity = where(sliding & ((speed > 0.0) | is_free(physics)), body.motion * speed, 0.0)
+    speed = body.motion * foot_velocity_at(body, coefficients, v, t)
+    foot_velocity = where(sliding & ((speed > 0.0) | is_free(coefficients)), body.motion * speed, 0.0)
     return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)

@@ -17,10 +17,10 @@ __all__ = [
     "STUCK",
     "Body",
     "ChainState",
+    "Coefficients",
     "Ledger",
-    "Physics",
     "State",
-    "physics",
+    "coefficients_of",
 ]
 
 STUCK, FORWARD, BACKWARD = 0, 1, -1
@@ -77,7 +77,7 @@ class Ledger(NamedTuple):
 NOTHING_YET = Ledger(0.0, 0.0, 0.0, 0.0)
 
 
-class Physics(NamedTuple):
+class Coefficients(NamedTuple):
     """Coefficients of one crawler's equations of motion, each computed once from its groups and scene."""
 
     duffing: float
@@ -93,9 +93,9 @@ class Physics(NamedTuple):
     ratchet: bool
 
 
-def physics(groups: Groups, scene: Scene) -> Physics:
+def coefficients_of(groups: Groups, scene: Scene) -> Coefficients:
     """Coefficients of the equations of motion in section 2 of the design, from `groups` and `scene`."""
-    return Physics(
+    return Coefficients(
         duffing=groups.duffing,
         damping=2.0 * groups.damping_ratio,
         lag_rate=1.0 / groups.deborah,

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...compiling.compilation import compiled
 from ...compiling.roots import horner, LARGEST_DEGREE
-from ..model.state import Body, Ledger, Physics
+from ..model.state import Body, Coefficients, Ledger
 from ..steps.chain_series import ChainSeries, stretches_at
 from ..steps.workspace import P
 from .energy import posted
@@ -22,7 +22,13 @@ for _count in range(1, _MOST_NODES + 1):
 
 @compiled
 def account_chain(
-    ledger: Ledger, before: Body, after: Body, physics: Physics, order: int, length: float, series: ChainSeries
+    ledger: Ledger,
+    before: Body,
+    after: Body,
+    coefficients: Coefficients,
+    order: int,
+    length: float,
+    series: ChainSeries,
 ) -> Ledger:
     """Add one step's energies, each segment's share being a crawler's over N; overwrites `series.ahead`."""
     nodes = order // 2 + 2
@@ -36,8 +42,8 @@ def account_chain(
         for j in range(segments):
             z = series.ahead[0, j]
             v = series.ahead[1, j]
-            work += _WEIGHTS[nodes, i] * p * (1.0 + physics.radial_coupling * z) * v
+            work += _WEIGHTS[nodes, i] * p * (1.0 + coefficients.radial_coupling * z) * v
             viscous += _WEIGHTS[nodes, i] * v * v
     work *= length / segments
-    viscous *= length * physics.damping / segments
-    return posted(ledger, before, after, physics, work, viscous)
+    viscous *= length * coefficients.damping / segments
+    return posted(ledger, before, after, coefficients, work, viscous)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...compiling.compilation import compiled
 from ...compiling.roots import horner, sharp_descent
 from ..model.equations import force, force_terms, pressure_after
-from ..model.state import Body, Ledger, Physics, STUCK
+from ..model.state import Body, Coefficients, Ledger, STUCK
 from ..steps.chain_series import (
     Chain,
     ChainSeries,
@@ -25,11 +25,11 @@ from ..steps.chain_series import (
 )
 from ..steps.options import (
     AFRESH,
-    Control,
     DIVERGED,
     FINISHED,
     Leg,
     LOG_FULL,
+    Options,
     OUT_OF_STEPS,
     Outcome,
     PAUSED,
@@ -51,7 +51,7 @@ def drive_chain(
     chain: Chain,
     schedule: NDArray[np.float64],
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     segment_samples: NDArray[np.float64],
     events: NDArray[np.float64],
@@ -69,7 +69,7 @@ def drive_chain(
     schedule : (holds,) array
         Share of each hold that the valve is open, at its start.
     hold : float
-    control : Control
+    options : Options
     samples : (5, holds * samples_per_hold) array
         Receives z, v, p, x, w.
     segment_samples : (2, N, holds * samples_per_hold) array
@@ -93,7 +93,7 @@ def drive_chain(
         chain,
         schedule,
         hold,
-        control,
+        options,
         samples,
         segment_samples,
         events,
@@ -108,7 +108,7 @@ def _drive_chain_on(
     chain: Chain,
     schedule: NDArray[np.float64],
     hold: float,
-    control: Control,
+    options: Options,
     samples: NDArray[np.float64],
     segment_samples: NDArray[np.float64],
     events: NDArray[np.float64],
@@ -137,8 +137,8 @@ def _drive_chain_on(
             hold,
             begin,
             end,
-            control,
-            control.max_steps - steps,
+            options,
+            options.max_steps - steps,
             k * hold,
             samples[:, k * each : (k + 1) * each],
             segment_samples[:, :, k * each : (k + 1) * each],
@@ -174,7 +174,7 @@ def _advance_chain(
     hold: float,
     begin: float,
     close: float,
-    control: Control,
+    options: Options,
     budget: int,
     start: float,
     samples: NDArray[np.float64],
@@ -194,44 +194,46 @@ def _advance_chain(
     logged = 0
     allowed = min(budget, leg.steps)
     for steps in range(1, allowed + 1):
-        expand_chain(stretches, body, chain, valve, control.order, series)
-        length = longest_step(chain, body.motion, control.order, control.tolerance, series)
+        expand_chain(stretches, body, chain, valve, options.order, series)
+        length = longest_step(chain, body.motion, options.order, options.tolerance, series)
         if not length > 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, AFRESH)
-        length = _trusted_length(body, chain, valve, control, min(length, close - elapsed), series)
-        length, motion = _next_event(body, chain, valve, control.order, length, control.tolerance, series)
+        length = _trusted_length(body, chain, valve, options, min(length, close - elapsed), series)
+        length, motion = _next_event(body, chain, valve, options.order, length, options.tolerance, series)
 
         reached, last = end_of_step(body, close, elapsed, length, motion)
         while done < count:
             moment = moment_of(done, count, hold)
             if moment > reached:
                 break
-            pressure = pressure_after(opening, chain.physics, valve, moment - begin)
-            sampled = _state_at(body, chain.physics, pressure, control.order, min(moment - elapsed, length), series)
+            pressure = pressure_after(opening, chain.coefficients, valve, moment - begin)
+            sampled = _state_at(
+                body, chain.coefficients, pressure, options.order, min(moment - elapsed, length), series
+            )
             record(sampled, samples, done)
             for j in range(segments):
                 segment_samples[0, j, done] = series.ahead[0, j] / segments
                 segment_samples[1, j, done] = series.ahead[1, j] / segments
             done += 1
 
-        pressure = pressure_after(opening, chain.physics, valve, reached - begin)
-        following = _state_at(body, chain.physics, pressure, control.order, length, series)
+        pressure = pressure_after(opening, chain.coefficients, valve, reached - begin)
+        following = _state_at(body, chain.coefficients, pressure, options.order, length, series)
         if not is_near(following):
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, AFRESH)
         for j in range(segments):
             stretches[0, j] = series.ahead[0, j]
             stretches[1, j] = series.ahead[1, j]
-        if control.energy:
-            ledger = account_chain(ledger, body, following, chain.physics, control.order, length, series)
+        if options.energy:
+            ledger = account_chain(ledger, body, following, chain.coefficients, options.order, length, series)
         elapsed = reached
         if motion != body.motion:
-            if control.log:
+            if options.log:
                 if logged == events.shape[0]:
                     return Outcome(LOG_FULL, elapsed, steps, logged, body, ledger, AFRESH)
                 events[logged, 0] = start + elapsed
                 events[logged, 1] = motion
                 logged += 1
-            following = change_motion(following, motion, chain.physics)
+            following = change_motion(following, motion, chain.coefficients)
         body = following
         if last:
             return Outcome(FINISHED, close, steps, logged, body, ledger, AFRESH)
@@ -240,10 +242,12 @@ def _advance_chain(
 
 
 @compiled
-def _state_at(body: Body, physics: Physics, pressure: float, order: int, t: float, series: ChainSeries) -> Body:
+def _state_at(
+    body: Body, coefficients: Coefficients, pressure: float, order: int, t: float, series: ChainSeries
+) -> Body:
     """State a time `t` into the step, with its D and D' in `series.ahead`."""
     stretches_at(order, t, series)
-    foot, foot_velocity = foot_at(body, physics, order, t, series)
+    foot, foot_velocity = foot_at(body, coefficients, order, t, series)
     segments = series.ahead.shape[1]
     z = 0.0
     v = 0.0
@@ -255,30 +259,30 @@ def _state_at(body: Body, physics: Physics, pressure: float, order: int, t: floa
 
 @compiled
 def _trusted_length(
-    body: Body, chain: Chain, valve: float, control: Control, length: float, series: ChainSeries
+    body: Body, chain: Chain, valve: float, options: Options, length: float, series: ChainSeries
 ) -> float:
     """The part of a step at whose end every segment's series still satisfies the equation of motion.
 
     As in `taylor_step`: the defect is the force at the state less the force's own series.
     """
-    physics = chain.physics
-    order = control.order
+    coefficients = chain.coefficients
+    order = options.order
     for _ in range(SHORTENINGS):
         stretches_at(order, length, series)
         pulls_at(order, length, series)
-        pressure = pressure_after(body, physics, valve, length)
+        pressure = pressure_after(body, coefficients, valve, length)
         worst = 0.0
         for j in range(series.ahead.shape[1]):
             z = series.ahead[0, j]
             v = series.ahead[1, j]
-            defect = abs(force(physics, z, v, pressure) - series.pulls[j])
-            rounding = ROUNDING * force_terms(physics, z, v)
-            yielding = segment_mobility(chain, body.motion, j)
-            if yielding * (defect - rounding) > TRUST * control.tolerance:
-                worst = max(worst, yielding * defect)
+            defect = abs(force(coefficients, z, v, pressure) - series.pulls[j])
+            rounding = ROUNDING * force_terms(coefficients, z, v)
+            mobility = segment_mobility(chain, body.motion, j)
+            if mobility * (defect - rounding) > TRUST * options.tolerance:
+                worst = max(worst, mobility * defect)
         if worst == 0.0:
             break
-        shrink = math.exp(math.log(control.tolerance / worst) / (order + 1))
+        shrink = math.exp(math.log(options.tolerance / worst) / (order + 1))
         length *= max(0.25, min(0.9, shrink))
     return length
 
@@ -291,22 +295,22 @@ def _next_event(
 
     A resting foot feels the first segment alone, and that segment's force is the crawler's.
     """
-    physics = chain.physics
-    if physics.anchored:
+    coefficients = chain.coefficients
+    if coefficients.anchored:
         return length, body.motion
     rear = series.rear
     if body.motion == STUCK:
-        return breaking_loose(body, physics, valve, order, length, 0.0, rear)
+        return breaking_loose(body, coefficients, valve, order, length, 0.0, rear)
     speed = rear[SCRATCH]
     for n in range(order + 1):
         speed[n] = body.motion * series.foot_velocity[n]
-    speed[0] += turning_speed(body, physics, tolerance)
-    moment = sharp_descent(speed, started(speed, body, physics, order, rear), length)
+    speed[0] += turning_speed(body, coefficients, tolerance)
+    moment = sharp_descent(speed, started(speed, body, coefficients, order, rear), length)
     if moment > length:
-        _, velocity = foot_at(body, physics, order, length, series)
+        _, velocity = foot_at(body, coefficients, order, length, series)
         z, v = horner(rear[Z], order + 1, length), horner(rear[V], order + 1, length)
-        pressure = pressure_after(body, physics, valve, length)
-        if not comes_to_rest(body.motion, physics, z, v, pressure, velocity):
+        pressure = pressure_after(body, coefficients, valve, length)
+        if not comes_to_rest(body.motion, coefficients, z, v, pressure, velocity):
             return length, body.motion
         moment = length
-    return moment, motion_after_rest(body.motion, physics, horner(rear[FORCE], order, moment))
+    return moment, motion_after_rest(body.motion, coefficients, horner(rear[FORCE], order, moment))

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled, merged
-from ..model.state import Body, Ledger, Physics
+from ..model.state import Body, Coefficients, Ledger
 from ..steps.options import Method
 from ..steps.taylor_series import write_energies
 from ..steps.workspace import STEP, VISCOUS, WORK
@@ -17,23 +17,25 @@ def account(
     ledger: Ledger,
     before: Body,
     after: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     method: Method,
     length: float,
     series: NDArray[np.float64],
 ) -> Ledger:
     """Add one step's energies: int p (1 + Pi5 z) v dt (equation S28), int 2 Pi2 v^2 dt, and drag times distance."""
-    inputs = (length, physics.radial_coupling)
+    inputs = (length, coefficients.radial_coupling)
     write_energies(method, inputs, series)
-    return posted(ledger, before, after, physics, series[STEP, WORK], physics.damping * series[STEP, VISCOUS])
+    return posted(ledger, before, after, coefficients, series[STEP, WORK], coefficients.damping * series[STEP, VISCOUS])
 
 
 @compiled
-def posted(ledger: Ledger, before: Body, after: Body, physics: Physics, work: float, viscous: float) -> Ledger:
+def posted(
+    ledger: Ledger, before: Body, after: Body, coefficients: Coefficients, work: float, viscous: float
+) -> Ledger:
     """Add a step's work and heat, and what follows from the way that the foot and the centre of mass have gone."""
     way = after.foot - before.foot
-    friction = physics.kinetic_friction * abs(way)
-    rise = physics.slope * (way + physics.payload_fraction * (after.deformation - before.deformation))
+    friction = coefficients.kinetic_friction * abs(way)
+    rise = coefficients.slope * (way + coefficients.payload_fraction * (after.deformation - before.deformation))
     return Ledger(
         ledger.work + work,
         ledger.viscous + viscous,

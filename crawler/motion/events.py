@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled, formula, merged
-from ...compiling.roots import first_descent, horner, horner_derivative, sharp_descent
+from ...compiling.roots import first_downcrossing, horner, horner_derivative, sharp_descent
 from ..model.equations import foot_velocity_at, force, force_terms, is_free, pressure_after, retardation
-from ..model.state import BACKWARD, Body, FORWARD, Physics, STUCK
+from ..model.state import BACKWARD, Body, Coefficients, FORWARD, STUCK
 from ..steps.workspace import END_V, FIRST, FLATTEST, FORCE, HIGHEST, LENGTH, LOWEST, SCRATCH, STEEPEST, STEP, V, Z
 
 __all__ = [
@@ -36,7 +36,7 @@ _TURNING = 4.0
 def next_event(
     body: Body,
     ahead: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     order: int,
     length: float,
@@ -48,22 +48,22 @@ def next_event(
 
     `tolerance` as for `turning_speed`, `doubt` as for `breaking_loose`.
     """
-    if physics.anchored | is_quiet(body, physics, series[FORCE, 0], series[STEP]):
+    if coefficients.anchored | is_quiet(body, coefficients, series[FORCE, 0], series[STEP]):
         return length, body.motion
     if body.motion == STUCK:
-        return breaking_loose(body, physics, valve, order, length, doubt, series)
-    degree = foot_speed(body, physics, order, turning_speed(body, physics, tolerance), series)
+        return breaking_loose(body, coefficients, valve, order, length, doubt, series)
+    degree = foot_speed(body, coefficients, order, turning_speed(body, coefficients, tolerance), series)
     moment = sharp_descent(series[SCRATCH], degree, length)
     if moment > length:
         z, v = ahead.deformation, ahead.velocity
-        if not comes_to_rest(body.motion, physics, z, v, ahead.pressure, ahead.foot_velocity):
+        if not comes_to_rest(body.motion, coefficients, z, v, ahead.pressure, ahead.foot_velocity):
             return length, body.motion
         moment = length
-    return moment, motion_after_rest(body.motion, physics, horner(series[FORCE], order, moment))
+    return moment, motion_after_rest(body.motion, coefficients, horner(series[FORCE], order, moment))
 
 
 @formula
-def is_quiet(body: Body, physics: Physics, pull: float, reach: Any) -> bool:
+def is_quiet(body: Body, coefficients: Coefficients, pull: float, reach: Any) -> bool:
     """Whether bounds alone show that nothing happens on the step, which begins with the force `pull`.
 
     `reach` is the row STEP. The speed of a foot that slides from rest is t times a polynomial, whose constant term is
@@ -76,12 +76,12 @@ def is_quiet(body: Body, physics: Physics, pull: float, reach: Any) -> bool:
     speed = body.motion * body.foot_velocity
     slides = _stays_positive(speed, lowest, change, rises, falls) | ((speed == 0.0) & (first + lowest > 0.0))
     # By momentum, as the state will have it: a stop that rounding alone hides is no quiet end.
-    slides = slides & (body.motion * foot_velocity_at(body, physics, reach[END_V], reach[LENGTH]) > 0.0)
+    slides = slides & (body.motion * foot_velocity_at(body, coefficients, reach[END_V], reach[LENGTH]) > 0.0)
 
-    weighed = pull + physics.foot_fraction * physics.slope
-    forward = _stays_positive(physics.static_friction + weighed, lowest, change, rises, falls)
-    backward = _stays_positive(physics.static_friction - weighed, -highest, -change, falls, rises)
-    rests = forward & (physics.ratchet | backward)
+    weighed = pull + coefficients.foot_fraction * coefficients.slope
+    forward = _stays_positive(coefficients.static_friction + weighed, lowest, change, rises, falls)
+    backward = _stays_positive(coefficients.static_friction - weighed, -highest, -change, falls, rises)
+    rests = forward & (coefficients.ratchet | backward)
     return ((body.motion == STUCK) & rests) | ((body.motion != STUCK) & slides)
 
 
@@ -93,7 +93,13 @@ def _stays_positive(start: float, lowest: float, change: float, rises: bool, fal
 
 @merged
 def breaking_loose(
-    body: Body, physics: Physics, valve: float, order: int, length: float, doubt: float, series: NDArray[np.float64]
+    body: Body,
+    coefficients: Coefficients,
+    valve: float,
+    order: int,
+    length: float,
+    doubt: float,
+    series: NDArray[np.float64],
 ) -> tuple[float, int]:
     """Where a step of the resting foot ends, at most at `length`, and the motion that follows.
 
@@ -103,12 +109,12 @@ def breaking_loose(
     first = np.inf
     motion = STUCK
     for direction in (FORWARD, BACKWARD):
-        if direction == BACKWARD and physics.ratchet:
+        if direction == BACKWARD and coefficients.ratchet:
             continue
-        _grip(direction, physics, order, doubt, series)
-        moment = first_descent(series[SCRATCH], order, length)
+        _grip(direction, coefficients, order, doubt, series)
+        moment = first_downcrossing(series[SCRATCH], order, length)
         if 0.0 < moment <= length:
-            moment = _polish(moment, direction, body, physics, valve, order, length, doubt, series)
+            moment = _polish(moment, direction, body, coefficients, valve, order, length, doubt, series)
         if moment < first:
             first = moment
             motion = direction
@@ -116,90 +122,94 @@ def breaking_loose(
 
 
 @compiled
-def motion_after_rest(motion: int, physics: Physics, pull: float) -> int:
+def motion_after_rest(motion: int, coefficients: Coefficients, pull: float) -> int:
     """What follows when a foot that slid comes to rest under the force `pull`.
 
     Under too great a push it turns round at once, and without friction any is too great.
     """
-    push = motion * (pull + physics.foot_fraction * physics.slope)
-    if not physics.ratchet and (push > physics.static_friction or physics.static_friction == 0.0):
+    push = motion * (pull + coefficients.foot_fraction * coefficients.slope)
+    if not coefficients.ratchet and (push > coefficients.static_friction or coefficients.static_friction == 0.0):
         return -motion
     return STUCK
 
 
 @compiled
-def comes_to_rest(motion: int, physics: Physics, z: float, v: float, pressure: float, foot_velocity: float) -> bool:
+def comes_to_rest(
+    motion: int, coefficients: Coefficients, z: float, v: float, pressure: float, foot_velocity: float
+) -> bool:
     """Whether a sliding foot is at rest at the end of a smooth motion in which no fall of its speed was found.
 
     Rounding hides some falls, and a speed that nothing brakes fades to 0 without one. The state is that of the segment
     in front of the foot.
     """
-    return foot_velocity == 0.0 and not is_free(physics) and not breaks_loose(motion, physics, z, v, pressure)
+    return foot_velocity == 0.0 and not is_free(coefficients) and not breaks_loose(motion, coefficients, z, v, pressure)
 
 
 @compiled
-def turning_speed(body: Body, physics: Physics, tolerance: float) -> float:
+def turning_speed(body: Body, coefficients: Coefficients, tolerance: float) -> float:
     """Speed that a free foot has when it is said to have turned round; 0 for any other foot, which stops.
 
     To turn round changes nothing for a free foot but the name of its motion. It does so at every half period for ever,
     and below what the solver may err by, at most some tolerances of the body's rate, the turns would be those of the
     error.
     """
-    if not is_free(physics):
+    if not is_free(coefficients):
         return 0.0
-    speeds = abs(body.foot_velocity) + physics.payload_fraction * abs(body.velocity)
-    return max(_TURNING * tolerance * physics.payload_fraction, _VANISHING * speeds)
+    speeds = abs(body.foot_velocity) + coefficients.payload_fraction * abs(body.velocity)
+    return max(_TURNING * tolerance * coefficients.payload_fraction, _VANISHING * speeds)
 
 
 @compiled
-def breaks_loose(motion: int, physics: Physics, z: float, v: float, pressure: float) -> bool:
+def breaks_loose(motion: int, coefficients: Coefficients, z: float, v: float, pressure: float) -> bool:
     """Whether a foot without speed is pulled into `motion` at least as hard as static friction holds, but for rounding.
 
     The force has no jumps: this tells a foot that has just broken loose, in the hold before perhaps, from one whose
     speed has come to 0.
     """
-    pull = -motion * (force(physics, z, v, pressure) + physics.foot_fraction * physics.slope)
-    size = force_terms(physics, z, v) + physics.static_friction
-    return pull >= physics.static_friction - _VANISHING * size
+    pull = -motion * (force(coefficients, z, v, pressure) + coefficients.foot_fraction * coefficients.slope)
+    size = force_terms(coefficients, z, v) + coefficients.static_friction
+    return pull >= coefficients.static_friction - _VANISHING * size
 
 
 @compiled
-def change_motion(body: Body, motion: int, physics: Physics) -> Body:
+def change_motion(body: Body, motion: int, coefficients: Coefficients) -> Body:
     """The state just after the foot breaks loose or stops.
 
     A foot that turns round without friction has had nothing to break loose from, and that is no slip. It keeps the
     speed that it has.
     """
     slips = body.slips
-    if motion != STUCK and (body.motion == STUCK or physics.static_friction > 0.0):
+    if motion != STUCK and (body.motion == STUCK or coefficients.static_friction > 0.0):
         slips += 1
-    foot_velocity = body.foot_velocity if is_free(physics) else 0.0
+    foot_velocity = body.foot_velocity if is_free(coefficients) else 0.0
     return Body(body.deformation, body.velocity, body.pressure, body.foot, foot_velocity, motion, slips)
 
 
 @compiled
-def _grip(direction: int, physics: Physics, order: int, doubt: float, series: NDArray[np.float64]) -> None:
+def _grip(direction: int, coefficients: Coefficients, order: int, doubt: float, series: NDArray[np.float64]) -> None:
     """Write the margin by which the resting foot holds, s plus or less F + r slope, and the doubt of it."""
     margin = series[SCRATCH]
     for n in range(order + 1):
         margin[n] = direction * series[FORCE, n]
-    margin[0] += physics.static_friction + doubt + direction * physics.foot_fraction * physics.slope
+    margin[0] += coefficients.static_friction + doubt + direction * coefficients.foot_fraction * coefficients.slope
 
 
 @compiled
-def foot_speed(body: Body, physics: Physics, order: int, beyond: float, series: NDArray[np.float64]) -> int:
+def foot_speed(body: Body, coefficients: Coefficients, order: int, beyond: float, series: NDArray[np.float64]) -> int:
     """Write the sliding foot's speed, from the momentum, and `beyond` more; return its degree."""
     speed = series[SCRATCH]
     direction = body.motion
     speed[0] = direction * body.foot_velocity + beyond
     for n in range(1, order + 1):
-        speed[n] = -direction * physics.payload_fraction * series[V, n]
-    speed[1] -= direction * retardation(physics, direction)
-    return started(speed, body, physics, order, series)
+        speed[n] = -direction * coefficients.payload_fraction * series[V, n]
+    speed[1] -= direction * retardation(coefficients, direction)
+    return started(speed, body, coefficients, order, series)
 
 
 @compiled
-def started(speed: NDArray[np.float64], body: Body, physics: Physics, degree: int, series: NDArray[np.float64]) -> int:
+def started(
+    speed: NDArray[np.float64], body: Body, coefficients: Coefficients, degree: int, series: NDArray[np.float64]
+) -> int:
     """Divide out the root with which a slip begins at rest; return the degree of what is left.
 
     The pull is then at least static friction, which rounding could hide where the two frictions are equal.
@@ -208,8 +218,8 @@ def started(speed: NDArray[np.float64], body: Body, physics: Physics, degree: in
         return degree
     for n in range(degree):
         speed[n] = speed[n + 1]
-    if breaks_loose(body.motion, physics, series[Z, 0], series[V, 0], body.pressure):
-        surplus = (physics.static_friction - physics.kinetic_friction) / physics.foot_fraction
+    if breaks_loose(body.motion, coefficients, series[Z, 0], series[V, 0], body.pressure):
+        surplus = (coefficients.static_friction - coefficients.kinetic_friction) / coefficients.foot_fraction
         speed[0] = max(speed[0], surplus)
     return degree - 1
 
@@ -219,7 +229,7 @@ def _polish(
     moment: float,
     direction: int,
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     order: int,
     length: float,
@@ -236,9 +246,11 @@ def _polish(
     for _ in range(_POLISHINGS):
         z = horner(series[Z], order + 1, moment)
         v = horner(series[V], order + 1, moment)
-        pull = force(physics, z, v, pressure_after(body, physics, valve, moment))
-        margin = physics.static_friction + doubt + direction * (pull + physics.foot_fraction * physics.slope)
-        size = force_terms(physics, z, v) + physics.static_friction
+        pull = force(coefficients, z, v, pressure_after(body, coefficients, valve, moment))
+        margin = (
+            coefficients.static_friction + doubt + direction * (pull + coefficients.foot_fraction * coefficients.slope)
+        )
+        size = force_terms(coefficients, z, v) + coefficients.static_friction
         slope = horner_derivative(series[SCRATCH], order, moment)
         if slope >= 0.0:
             break

@@ -14,21 +14,21 @@ from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled, formula, OPTIONS
 from ..model.equations import pressure_after
-from ..model.state import Body, Ledger, Physics
+from ..model.state import Body, Coefficients, Ledger
 from ..steps.options import (
     AFRESH,
-    Control,
     DIVERGED,
     FINISHED,
     is_taylor,
     Leg,
     LOG_FULL,
+    Options,
     OUT_OF_STEPS,
     Outcome,
     Pace,
     PAUSED,
 )
-from ..steps.radau import radau_again, radau_step
+from ..steps.radau import radau_step, refine_event_step
 from ..steps.taylor import state_at, taylor_step
 from .energy import account
 from .events import change_motion, next_event
@@ -43,15 +43,15 @@ FARTHEST = 1e12
 def next_step(
     opening: Body,
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     elapsed: float,
     remaining: float,
-    control: Control,
+    options: Options,
     pace: Pace,
     series: NDArray[np.float64],
 ) -> tuple[float, Body, Pace]:
-    """One step of the control's method, in compiled code alone: see `taylor_step`."""
+    """One step of the method of the options, in compiled code alone: see `taylor_step`."""
     raise NotImplementedError
 
 
@@ -59,25 +59,25 @@ def next_step(
 def _compiled_step(
     opening: Body,
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     elapsed: float,
     remaining: float,
-    control: Control,
+    options: Options,
     pace: Pace,
     series: NDArray[np.float64],
 ) -> Any:
-    return taylor_step if is_taylor(control) else radau_step
+    return taylor_step if is_taylor(options) else radau_step
 
 
 @compiled
 def advance(
     body: Body,
     ledger: Ledger,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     hold: float,
-    control: Control,
+    options: Options,
     start: float,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
@@ -92,18 +92,18 @@ def advance(
     ----------
     body, ledger : Body, Ledger
         State and energies at the start of the hold.
-    physics : Physics
+    coefficients : Coefficients
     valve : float
         0 or 1, constant from `begin` to `end`.
     hold : float
         Length of the hold, natural time.
-    control : Control
+    options : Options
     start : float
         Time at which the hold begins; only the events' times depend on it.
     samples : (5, S) array
         Receives z, v, p, x, w at those of the times hold (j + 1) / S that are after `begin` and not after `end`.
     events : (capacity, 2) array
-        Receives the time and the new motion of each event if `control.log`. Where it is too short the outcome says
+        Receives the time and the new motion of each event if `options.log`. Where it is too short the outcome says
         LOG_FULL, and the hold is to be done again from its start with a longer one.
     workspace : (ROWS, WIDTH) array
         Scratch.
@@ -120,7 +120,7 @@ def advance(
     opening = body
     elapsed = begin
     pace = AFRESH
-    allowed = control.max_steps
+    allowed = options.max_steps
     if leg is not None:
         opening = leg.opening
         elapsed = leg.elapsed
@@ -131,15 +131,15 @@ def advance(
     close = min(end, hold)
     for steps in range(1, allowed + 1):
         longest, ahead, pace = next_step(
-            opening, body, physics, valve, elapsed - begin, close - elapsed, control, pace, workspace
+            opening, body, coefficients, valve, elapsed - begin, close - elapsed, options, pace, workspace
         )
         if not longest >= 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, pace)
         length, motion = next_event(
-            body, ahead, physics, valve, control.order, longest, control.tolerance, pace.doubt, workspace
+            body, ahead, coefficients, valve, options.order, longest, options.tolerance, pace.doubt, workspace
         )
         if motion != body.motion:
-            pace = radau_again(body, physics, control.tolerance, pace, length)
+            pace = refine_event_step(body, coefficients, options.tolerance, pace, length)
             if pace.length > 0.0:
                 continue
 
@@ -150,26 +150,26 @@ def advance(
             if moment > reached:
                 break
             # The pressure is that of this very moment, not of a step's end within rounding of it.
-            pressure = pressure_after(opening, physics, valve, moment - begin)
+            pressure = pressure_after(opening, coefficients, valve, moment - begin)
             since = min(moment - elapsed, length)
-            record(state_at(body, physics, pressure, control.order, since, workspace), samples, done)
+            record(state_at(body, coefficients, pressure, options.order, since, workspace), samples, done)
             done += 1
         following = ahead
         if length < longest:
-            pressure = pressure_after(opening, physics, valve, reached - begin)
-            following = state_at(body, physics, pressure, control.order, length, workspace)
+            pressure = pressure_after(opening, coefficients, valve, reached - begin)
+            following = state_at(body, coefficients, pressure, options.order, length, workspace)
         if not is_near(following):
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, pace)
-        if control.energy:
-            ledger = account(ledger, body, following, physics, control.method, length, workspace)
-        if control.tangents:
-            carry(body, physics, control.order, length, workspace)
+        if options.energy:
+            ledger = account(ledger, body, following, coefficients, options.method, length, workspace)
+        if options.tangents:
+            carry(body, coefficients, options.order, length, workspace)
         elapsed = reached
         if motion != body.motion:
-            if control.tangents:
-                saltate(following, motion, physics, valve, start + elapsed, workspace)
-            following = change_motion(following, motion, physics)
-            if control.log:
+            if options.tangents:
+                saltate(following, motion, coefficients, valve, start + elapsed, workspace)
+            following = change_motion(following, motion, coefficients)
+            if options.log:
                 if logged == events.shape[0]:
                     return Outcome(LOG_FULL, elapsed, steps, logged, body, ledger, pace)
                 events[logged, 0] = start + elapsed
@@ -178,7 +178,7 @@ def advance(
         body = following
         if last:
             return Outcome(FINISHED, close, steps, logged, body, ledger, pace)
-    status = PAUSED if allowed < control.max_steps else OUT_OF_STEPS
+    status = PAUSED if allowed < options.max_steps else OUT_OF_STEPS
     return Outcome(status, elapsed, allowed, logged, body, ledger, pace)
 
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled
 from ...compiling.roots import horner
-from ..model.equations import acceleration_at_no_force, force, inverse_mass, retardation
-from ..model.state import Body, Physics, STUCK
+from ..model.equations import acceleration_at_no_force, force, mobility_of, retardation
+from ..model.state import Body, Coefficients, STUCK
 from ..steps.propagator import Propagator
 from ..steps.workspace import CHANGES, P, Z
 
@@ -52,14 +52,14 @@ def condition_of(workspace: NDArray[np.float64], unit: float) -> float:
 
 
 @compiled
-def carry(body: Body, physics: Physics, order: int, length: float, series: NDArray[np.float64]) -> None:
+def carry(body: Body, coefficients: Coefficients, order: int, length: float, series: NDArray[np.float64]) -> None:
     """Carry the tangents over a step.
 
     Parameters
     ----------
     body : Body
         At the step's start.
-    physics : Physics
+    coefficients : Coefficients
     order : int
         Degree of the pressure's polynomial; that of z is one more.
     length : float
@@ -67,34 +67,38 @@ def carry(body: Body, physics: Physics, order: int, length: float, series: NDArr
     series : array
         The step's workspace; its tangents are moved in place.
     """
-    yielding = inverse_mass(physics, body.motion)
-    damping = yielding * physics.damping
+    mobility = mobility_of(coefficients, body.motion)
+    damping = mobility * coefficients.damping
     stiffest = 0.0
     for i in range(3):
-        stiffest = max(stiffest, abs(_stiffness(physics, yielding, order, 0.5 * i * length, series)))
+        stiffest = max(stiffest, abs(_stiffness(coefficients, mobility, order, 0.5 * i * length, series)))
     pieces = math.ceil(max(1.0, min(_PIECES, length * math.sqrt(stiffest) / _RADIANS)))
     span = length / pieces
     z_z, z_v, v_z, v_v = 1.0, 0.0, 0.0, 1.0
     for i in range(int(pieces)):
-        first = _stiffness(physics, yielding, order, (i + 0.5 - _APART) * span, series)
-        second = _stiffness(physics, yielding, order, (i + 0.5) * span, series)
-        third = _stiffness(physics, yielding, order, (i + 0.5 + _APART) * span, series)
+        first = _stiffness(coefficients, mobility, order, (i + 0.5 - _APART) * span, series)
+        second = _stiffness(coefficients, mobility, order, (i + 0.5) * span, series)
+        third = _stiffness(coefficients, mobility, order, (i + 0.5 + _APART) * span, series)
         a, b, c, d = _exponential(first, second, third, damping, span)
         z_z, v_z = a * z_z + b * v_z, c * z_z + d * v_z
         z_v, v_v = a * z_v + b * v_v, c * z_v + d * v_v
-    _carry_by(z_z, z_v, v_z, v_v, body.motion, physics, length, series)
+    _carry_by(z_z, z_v, v_z, v_v, body.motion, coefficients, length, series)
 
 
 @compiled
-def carry_linear(body: Body, physics: Physics, over: Propagator, length: float, workspace: NDArray[np.float64]) -> None:
+def carry_linear(
+    body: Body, coefficients: Coefficients, over: Propagator, length: float, workspace: NDArray[np.float64]
+) -> None:
     """Carry the tangents of a linear body by its propagator over the time `length`."""
-    _carry_by(over.z_z, over.z_v, over.v_z, over.v_v, body.motion, physics, length, workspace)
+    _carry_by(over.z_z, over.z_v, over.v_z, over.v_v, body.motion, coefficients, length, workspace)
 
 
 @compiled
-def _stiffness(physics: Physics, yielding: float, order: int, t: float, series: NDArray[np.float64]) -> float:
+def _stiffness(coefficients: Coefficients, mobility: float, order: int, t: float, series: NDArray[np.float64]) -> float:
     z = horner(series[Z], order + 1, t)
-    return yielding * (1.0 + 3.0 * physics.duffing * z * z - physics.radial_coupling * horner(series[P], order, t))
+    return mobility * (
+        1.0 + 3.0 * coefficients.duffing * z * z - coefficients.radial_coupling * horner(series[P], order, t)
+    )
 
 
 @compiled
@@ -148,12 +152,12 @@ def _carry_by(
     v_z: float,
     v_v: float,
     motion: int,
-    physics: Physics,
+    coefficients: Coefficients,
     length: float,
     workspace: NDArray[np.float64],
 ) -> None:
     tangents = workspace[workspace.shape[0] - CHANGES :]
-    payload = physics.payload_fraction
+    payload = coefficients.payload_fraction
     for i in range(_COLUMNS):
         z, v = tangents[_DZ, i], tangents[_DV, i]
         moved_z = z_z * z + z_v * v
@@ -167,7 +171,7 @@ def _carry_by(
 
 @compiled
 def saltate(
-    body: Body, motion: int, physics: Physics, valve: float, time: float, workspace: NDArray[np.float64]
+    body: Body, motion: int, coefficients: Coefficients, valve: float, time: float, workspace: NDArray[np.float64]
 ) -> None:
     """Carry the tangents across an event.
 
@@ -177,7 +181,7 @@ def saltate(
         Just before the event, in the motion that ends.
     motion : int
         That begins.
-    physics : Physics
+    coefficients : Coefficients
     valve : float
     time : float
         Of the event in the run. One at the very start does not move.
@@ -186,13 +190,16 @@ def saltate(
     """
     tangents = workspace[workspace.shape[0] - CHANGES :]
     z, v, p = body.deformation, body.velocity, body.pressure
-    pull = force(physics, z, v, p)
-    before, after = _acceleration(physics, body.motion, pull), _acceleration(physics, motion, pull)
-    foot_before, foot_after = _foot_acceleration(physics, body.motion, pull), _foot_acceleration(physics, motion, pull)
-    by_z = p * physics.radial_coupling - 1.0 - 3.0 * physics.duffing * z * z
-    by_v = -physics.damping
-    lag = physics.lag_rate * (valve - p)
-    pull_rate = by_z * v + by_v * before + (1.0 + physics.radial_coupling * z) * lag
+    pull = force(coefficients, z, v, p)
+    before, after = _acceleration(coefficients, body.motion, pull), _acceleration(coefficients, motion, pull)
+    foot_before, foot_after = (
+        _foot_acceleration(coefficients, body.motion, pull),
+        _foot_acceleration(coefficients, motion, pull),
+    )
+    by_z = p * coefficients.radial_coupling - 1.0 - 3.0 * coefficients.duffing * z * z
+    by_v = -coefficients.damping
+    lag = coefficients.lag_rate * (valve - p)
+    pull_rate = by_z * v + by_v * before + (1.0 + coefficients.radial_coupling * z) * lag
     # How fast the event function falls: of a grip s plus or less F, of a slip its speed.
     falling = -motion * pull_rate if body.motion == STUCK else -body.motion * foot_before
     for i in range(_COLUMNS):
@@ -205,12 +212,14 @@ def saltate(
 
 
 @compiled
-def _acceleration(physics: Physics, motion: int, pull: float) -> float:
-    return inverse_mass(physics, motion) * pull + acceleration_at_no_force(physics, motion)
+def _acceleration(coefficients: Coefficients, motion: int, pull: float) -> float:
+    return mobility_of(coefficients, motion) * pull + acceleration_at_no_force(coefficients, motion)
 
 
 @compiled
-def _foot_acceleration(physics: Physics, motion: int, pull: float) -> float:
+def _foot_acceleration(coefficients: Coefficients, motion: int, pull: float) -> float:
     if motion == STUCK:
         return 0.0
-    return -physics.payload_fraction * _acceleration(physics, motion, pull) - retardation(physics, motion)
+    return -coefficients.payload_fraction * _acceleration(coefficients, motion, pull) - retardation(
+        coefficients, motion
+    )

@@ -21,7 +21,7 @@ from ...compiling.roots import horner, LARGEST_DEGREE
 from ..model.equations import is_free
 from ..model.groups import Groups
 from ..model.scene import Scene
-from ..model.state import Body, Physics, physics, STUCK
+from ..model.state import Body, Coefficients, coefficients_of, STUCK
 from ..model.tube import node_masses
 from .workspace import FORCE, P, ROWS, V, WIDTH, Z
 
@@ -64,7 +64,7 @@ _RECIPROCAL = np.array([0.0] + [1.0 / n for n in range(1, WIDTH + 1)])
 class Chain(NamedTuple):
     """Coefficients of one chain's equations of motion."""
 
-    physics: Physics  # of a segment in D, with the masses at the two ends for those of foot and payload
+    coefficients: Coefficients  # of a segment in D, with the masses at the two ends for those of foot and payload
     mobility: NDArray[np.float64]  # 1 / m_j of the nodes, from foot to payload
 
 
@@ -82,7 +82,7 @@ class ChainSeries(NamedTuple):
 def chain_of(groups: Groups, scene: Scene) -> Chain:
     """Coefficients of the chain's equations of motion, from `groups` and `scene`."""
     masses = node_masses(groups, scene)
-    ends = physics(groups, scene)._replace(foot_fraction=float(masses[0]), payload_fraction=float(masses[-1]))
+    ends = coefficients_of(groups, scene)._replace(foot_fraction=float(masses[0]), payload_fraction=float(masses[-1]))
     return Chain(ends, 1.0 / masses)
 
 
@@ -124,7 +124,7 @@ def expand_chain(
         Written in place.
     """
     segments = stretches.shape[1]
-    duffing, damping = chain.physics.duffing, chain.physics.damping
+    duffing, damping = chain.coefficients.duffing, chain.coefficients.damping
     z, v = series.segments[Z], series.segments[V]
     square, force, stiffness = series.segments[_SQUARE], series.segments[FORCE], series.segments[_STIFFNESS]
     pressure = series.rear[P]
@@ -132,7 +132,7 @@ def expand_chain(
     term = body.pressure - valve
     pressure[0] = body.pressure
     for n in range(1, order + 1):
-        term *= -chain.physics.lag_rate * _RECIPROCAL[n]
+        term *= -chain.coefficients.lag_rate * _RECIPROCAL[n]
         pressure[n] = term
 
     for j in range(segments):
@@ -150,7 +150,7 @@ def expand_chain(
         if n % 2 == 0:
             for j in range(segments):
                 square[n, j] += z[n // 2, j] * z[n // 2, j]
-        softening = chain.physics.radial_coupling * pressure[n] - (1.0 if n == 0 else 0.0)
+        softening = chain.coefficients.radial_coupling * pressure[n] - (1.0 if n == 0 else 0.0)
         for j in range(segments):
             stiffness[n, j] = softening - duffing * square[n, j]
             force[n, j] = pressure[n] - damping * v[n, j]
@@ -177,13 +177,13 @@ def _accelerate(
 ) -> None:
     """One order of the nodes' accelerations from that of the forces; weight and drag are constant, of order 0."""
     segments = len(force)
-    weight = chain.physics.slope if leading else 0.0
+    weight = chain.coefficients.slope if leading else 0.0
     for j in range(1, segments):
         acceleration[j] = (force[j - 1] - force[j]) * chain.mobility[j] - weight
     acceleration[segments] = force[segments - 1] * chain.mobility[segments] - weight
     acceleration[0] = 0.0
     if motion != STUCK:
-        drag = motion * chain.physics.kinetic_friction if leading else 0.0
+        drag = motion * chain.coefficients.kinetic_friction if leading else 0.0
         acceleration[0] = -(force[0] + drag) * chain.mobility[0] - weight
 
 
@@ -210,10 +210,10 @@ def longest_step(chain: Chain, motion: int, order: int, tolerance: float, series
     stiffest = 2.0 * mobility
     fastest = math.sqrt(stiffest)
     length = _STABLE_SWING[order] / fastest
-    resistance = 0.5 * chain.physics.damping * stiffest
+    resistance = 0.5 * chain.coefficients.damping * stiffest
     if resistance > fastest:
         decay = resistance + math.sqrt(resistance * resistance - stiffest)
-        length = min(_STABLE_SWING[order] * 0.5 * chain.physics.damping, _STABLE_DECAY[order] / decay)
+        length = min(_STABLE_SWING[order] * 0.5 * chain.coefficients.damping, _STABLE_DECAY[order] / decay)
     for n in range(order - 1, order + 1):
         last = 0.0
         for j in range(segments):
@@ -251,7 +251,7 @@ def pulls_at(order: int, t: float, series: ChainSeries) -> None:
 
 
 @compiled
-def foot_at(body: Body, physics: Physics, order: int, t: float, series: ChainSeries) -> tuple[float, float]:
+def foot_at(body: Body, coefficients: Coefficients, order: int, t: float, series: ChainSeries) -> tuple[float, float]:
     """Position and velocity of the foot a time `t` into the step, by its own equation of motion.
 
     Coefficient by coefficient that is what the total momentum has left after the segments' share, without the
@@ -264,6 +264,6 @@ def foot_at(body: Body, physics: Physics, order: int, t: float, series: ChainSer
         way = way * t + series.foot_velocity[n] * _RECIPROCAL[n + 1]
     velocity = horner(series.foot_velocity, order + 1, t)
     # At a stop rounding can leave it a hair beyond zero. A free foot may have begun to turn round.
-    if body.motion * velocity < 0.0 and not is_free(physics):
+    if body.motion * velocity < 0.0 and not is_free(coefficients):
         velocity = 0.0
     return body.foot + way * t, velocity

@@ -17,9 +17,9 @@ __all__ = [
     "STEPS_A_HOLD",
     "TAYLOR",
     "ClosedForm",
-    "Control",
     "Leg",
     "Method",
+    "Options",
     "Outcome",
     "Pace",
     "Radau",
@@ -97,7 +97,7 @@ TAYLOR: dict[int, type[Taylor]] = {method.order(): method for method in (Taylor8
 METHODS: tuple[type[Method], ...] = (*TAYLOR.values(), Radau, ClosedForm)
 
 
-class Control(NamedTuple):
+class Options(NamedTuple):
     """How accurately, and for how long at most, to integrate."""
 
     tolerance: float
@@ -140,14 +140,14 @@ class Leg(NamedTuple):
     steps: int  # to take at most until the next pause
 
 
-def method_of(control: Any) -> type[Method]:
-    """Class of a control's method, from the type that numba gives the control."""
-    return control[-1].instance_class
+def method_of(options: Any) -> type[Method]:
+    """Class of a method of the options, from the type that numba gives the control."""
+    return options[-1].instance_class
 
 
-def is_taylor(control: Any) -> bool:
-    """Whether a control's method is one of Taylor series, from the type that numba gives the control."""
-    return method_of(control) in TAYLOR.values()
+def is_taylor(options: Any) -> bool:
+    """Whether a method of the options is one of Taylor series, from the type that numba gives the control."""
+    return method_of(options) in TAYLOR.values()
 
 
 AFRESH = Pace(0.0, 0.0, 0.0, 0.0, 0.0)

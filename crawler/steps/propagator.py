@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiling.compilation import allocating, compiled
-from ..model.equations import inverse_mass
-from ..model.state import FORWARD, Physics, STUCK
+from ..model.equations import mobility_of
+from ..model.state import Coefficients, FORWARD, STUCK
 from .workspace import CHANGES
 
 __all__ = ["ENTRIES", "Propagator", "Rates", "decay", "propagator", "rates_of", "tabulate", "tabulated"]
@@ -35,7 +35,7 @@ _TERMS = 18
 class Rates(NamedTuple):
     """What the closed form needs of one crawler in one motion of its foot."""
 
-    yielding: float  # Y, rate v' per force
+    mobility: float  # Y, rate v' per force
     damping: float  # 2 Pi2
     lag: float  # lambda
     mean: float  # Pi2 Y, mean of the body's two rates
@@ -61,16 +61,16 @@ ENTRIES = len(Propagator._fields)
 
 
 @compiled
-def rates_of(physics: Physics, motion: int) -> Rates:
+def rates_of(coefficients: Coefficients, motion: int) -> Rates:
     """Rates of decay of a linear body whose foot is in the given motion."""
-    yielding = inverse_mass(physics, motion)
-    mean = 0.5 * yielding * physics.damping
-    frequency = math.sqrt(yielding)
+    mobility = mobility_of(coefficients, motion)
+    mean = 0.5 * mobility * coefficients.damping
+    frequency = math.sqrt(mobility)
     oscillates = mean < frequency
     spread = math.sqrt(abs(mean - frequency)) * math.sqrt(mean + frequency)
     fast = mean if oscillates else mean + spread
-    slow = mean if oscillates else yielding / fast
-    return Rates(yielding, physics.damping, physics.lag_rate, mean, spread, oscillates, slow, fast)
+    slow = mean if oscillates else mobility / fast
+    return Rates(mobility, coefficients.damping, coefficients.lag_rate, mean, spread, oscillates, slow, fast)
 
 
 @compiled
@@ -102,7 +102,7 @@ def propagator(rates: Rates, t: float) -> Propagator:
         at_rest = slowly + rates.slow * blow
         blow_rate = decay(rates.fast * t) - rates.slow * blow
         gap, gap_rate = _forceddecay(rates, t, blow)
-    y = rates.yielding
+    y = rates.mobility
     return Propagator(at_rest, blow, y * gap, -y * blow, blow_rate, y * gap_rate, lagging)
 
 
@@ -115,7 +115,7 @@ def _forced_oscillation(rates: Rates, t: float, lagging: float, cosine: float, b
         gap = _clustered(rates, t)
         return gap, blow - rates.lag * gap
     gap = (lagging - cosine - apart * blow) / square
-    turning = rates.yielding - rates.mean * rates.lag
+    turning = rates.mobility - rates.mean * rates.lag
     return gap, (rates.lag * (cosine - lagging) + turning * blow) / square
 
 
@@ -170,12 +170,12 @@ def _mean_exponential(exponent: float) -> float:
 
 
 @allocating
-def tabulate(physics: Physics, hold: float, count: int) -> NDArray[np.float64]:
+def tabulate(coefficients: Coefficients, hold: float, count: int) -> NDArray[np.float64]:
     """Propagators from a hold's start to its samples, the same for every hold of a run.
 
     Parameters
     ----------
-    physics : Physics
+    coefficients : Coefficients
     hold : float
     count : int
         Samples in a hold.
@@ -187,7 +187,7 @@ def tabulate(physics: Physics, hold: float, count: int) -> NDArray[np.float64]:
     """
     table = np.empty((2 * count + CHANGES, ENTRIES))
     for sliding in range(2):
-        rates = rates_of(physics, FORWARD if sliding else STUCK)
+        rates = rates_of(coefficients, FORWARD if sliding else STUCK)
         for j in range(count):
             entries = propagator(rates, hold * ((j + 1) / count))
             for i in range(ENTRIES):

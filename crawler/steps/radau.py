@@ -22,12 +22,12 @@ from ..model.equations import (
     foot_velocity_at,
     force,
     force_terms,
-    inverse_mass,
     is_free,
+    mobility_of,
     pressure_after,
 )
-from ..model.state import Body, Physics, STUCK
-from .options import AFRESH, Control, Pace, Taylor12
+from ..model.state import Body, Coefficients, STUCK
+from .options import AFRESH, Options, Pace, Taylor12
 from .radau_table import CHECKS, STAGES, TABLES
 from .taylor import expand, ROUNDING, state_at
 from .workspace import (
@@ -50,7 +50,7 @@ from .workspace import (
     Z,
 )
 
-__all__ = ["collocate", "radau_again", "radau_step", "stages_for"]
+__all__ = ["collocate", "radau_step", "refine_event_step", "stages_for"]
 
 _NODES, _GAPS, _INTEGRAL, _TWICE = TABLES.nodes, TABLES.gaps, TABLES.integral, TABLES.twice
 _EIGENVALUES, _LEFT, _RIGHT = TABLES.eigenvalues, TABLES.left, TABLES.right
@@ -116,7 +116,7 @@ def stages_for(tolerance: float) -> int:
 @compiled
 def collocate(
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     remaining: float,
     stages: int,
@@ -129,7 +129,7 @@ def collocate(
     Parameters
     ----------
     body : Body
-    physics : Physics
+    coefficients : Coefficients
     valve : float
         The valve while the step lasts, 0 or 1.
     remaining : float
@@ -152,21 +152,21 @@ def collocate(
         For the next step.
     """
     method = (stages - STAGES[0]) // 2
-    longest = min(remaining, _E_FOLDS / _growth_rate(body, physics, valve))
+    longest = min(remaining, _E_FOLDS / _growth_rate(body, coefficients, valve))
     length = pace.length
     if not length > 0.0:
-        expand(body, physics, valve, Taylor12(), tolerance, remaining, series)
-        short = _taylor_length(body, physics, valve, stages, tolerance, series)
+        expand(body, coefficients, valve, Taylor12(), tolerance, remaining, series)
+        short = _taylor_length(body, coefficients, valve, stages, tolerance, series)
         # The first instants of a slip, or of a grip on its threshold, decide which motion this is.
         nearness = _NEAR * tolerance if body.motion == STUCK else 0.0
-        undecided = not physics.anchored and _clearance(body, physics) <= nearness
+        undecided = not coefficients.anchored and _clearance(body, coefficients) <= nearness
         if undecided or remaining <= short:
             short = min(short, remaining)
             return short, Pace(_LENGTHEN * short, short, short, 0.0, 0.0)
-        length = _first_length(body, physics, valve, method, stages, tolerance, series)
+        length = _first_length(body, coefficients, valve, method, stages, tolerance, series)
     fine = tolerance
-    if not physics.anchored:
-        fine = min(tolerance, max(_SHARE * _clearance(body, physics), _SHARPEST))
+    if not coefficients.anchored:
+        fine = min(tolerance, max(_SHARE * _clearance(body, coefficients), _SHARPEST))
     length = min(length, longest)
     power = 1.0 / (stages + 1.0)
     shortened = False
@@ -174,18 +174,18 @@ def collocate(
         # Two equal steps to the end rather than a long one and a stump.
         if 0.5 * remaining < length < remaining and pace.begin == pace.span:
             length = 0.5 * remaining
-        size = _solve(body, physics, valve, method, stages, length, fine, pace, series)
+        size = _solve(body, coefficients, valve, method, stages, length, fine, pace, series)
         if not size > 0.0:
             length *= 0.25
             shortened = True
             continue
         allowed = tolerance
-        if not physics.anchored:
-            widest = _widest(body, physics, method, stages, length, series)
+        if not coefficients.anchored:
+            widest = _widest(body, coefficients, method, stages, length, series)
             # Rounding may be in the way of what is asked for: each further trial asks for less.
             asked = max(_SHARE * widest, _SHARPEST * size)
             allowed = min(tolerance, asked * 4.0 ** max(0, trial - _PATIENCE))
-        error = _error(body, physics, valve, method, stages, length, size, series) / allowed
+        error = _error(body, coefficients, valve, method, stages, length, size, series) / allowed
         factor = _SAFETY * math.exp(-power * math.log(max(error, 1e-12)))
         if not error <= 1.0:
             length *= max(_SHORTEN, min(factor, _SAFETY))
@@ -199,7 +199,7 @@ def collocate(
         factor = max(_SHORTEN, min(factor, 1.0 if shortened else _LENGTHEN))
         error *= allowed / tolerance
         # A friction above the tolerance is met by a force that falls through it, whatever its rounding.
-        unsure = min(tolerance, _SHARPEST * size) if physics.static_friction < tolerance else 0.0
+        unsure = min(tolerance, _SHARPEST * size) if coefficients.static_friction < tolerance else 0.0
         return length, Pace(length * factor, length, length, error, max(error * tolerance, unsure))
     return np.nan, AFRESH
 
@@ -207,26 +207,26 @@ def collocate(
 def radau_step(
     opening: Body,
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     elapsed: float,
     remaining: float,
-    control: Control,
+    options: Options,
     pace: Pace,
     series: NDArray[np.float64],
 ) -> tuple[float, Body, Pace]:
     """One step, and its end; parameters and returns as for `taylor_step`."""
-    length, pace = collocate(body, physics, valve, remaining, control.order, control.tolerance, pace, series)
+    length, pace = collocate(body, coefficients, valve, remaining, options.order, options.tolerance, pace, series)
     # No cheap bound of the event function is known: it is looked at whole.
     series[STEP, LOWEST] = series[STEP, STEEPEST] = -np.inf
     series[STEP, HIGHEST] = series[STEP, FLATTEST] = np.inf
     series[STEP, FIRST] = 0.0
-    pressure = pressure_after(opening, physics, valve, elapsed + length)
-    return length, state_at(body, physics, pressure, control.order, length, series), pace
+    pressure = pressure_after(opening, coefficients, valve, elapsed + length)
+    return length, state_at(body, coefficients, pressure, options.order, length, series), pace
 
 
 @compiled
-def radau_again(body: Body, physics: Physics, tolerance: float, pace: Pace, moment: float) -> Pace:
+def refine_event_step(body: Body, coefficients: Coefficients, tolerance: float, pace: Pace, moment: float) -> Pace:
     """How to repeat a step in which an event was found, if it is to be repeated, else AFRESH.
 
     A step that ends just beyond the event errs less by orders of magnitude. Of a grip or a slip that the error blurs a
@@ -236,7 +236,7 @@ def radau_again(body: Body, physics: Physics, tolerance: float, pace: Pace, mome
     ----------
     body : Body
         At the step's start.
-    physics : Physics
+    coefficients : Coefficients
     tolerance : float
     pace : Pace
         What :func:`collocate` said of the step.
@@ -250,76 +250,76 @@ def radau_again(body: Body, physics: Physics, tolerance: float, pace: Pace, mome
     if pace.error > 0.0 and moment > _SHORTEST:
         if moment < _EARLY * pace.span:
             return Pace(_BEYOND * moment, pace.span, 0.0, pace.error, 0.0)
-        if _BLUR * _clearance(body, physics) < pace.error * tolerance:
+        if _BLUR * _clearance(body, coefficients) < pace.error * tolerance:
             return Pace(0.5 * pace.span, pace.span, 0.0, pace.error, 0.0)
     return AFRESH
 
 
 @compiled
-def _clearance(body: Body, physics: Physics) -> float:
+def _clearance(body: Body, coefficients: Coefficients) -> float:
     """How far a grip is from breaking, in force, or a slip from stopping, in the rate of the body.
 
     A free foot that slides goes on alike whether it turns round or not.
     """
     if body.motion == STUCK:
-        return _grip(physics, force(physics, body.deformation, body.velocity, body.pressure))
-    if is_free(physics):
+        return _grip(coefficients, force(coefficients, body.deformation, body.velocity, body.pressure))
+    if is_free(coefficients):
         return np.inf
-    return abs(body.foot_velocity) / physics.payload_fraction
+    return abs(body.foot_velocity) / coefficients.payload_fraction
 
 
 @compiled
-def _grip(physics: Physics, pull: float) -> float:
+def _grip(coefficients: Coefficients, pull: float) -> float:
     """How far the grip of a resting foot is from breaking under the force `pull`; negative beyond."""
-    pull += physics.foot_fraction * physics.slope
-    return physics.static_friction + (pull if physics.ratchet else -abs(pull))
+    pull += coefficients.foot_fraction * coefficients.slope
+    return coefficients.static_friction + (pull if coefficients.ratchet else -abs(pull))
 
 
 @compiled
 def _widest(
-    body: Body, physics: Physics, method: int, stages: int, length: float, series: NDArray[np.float64]
+    body: Body, coefficients: Coefficients, method: int, stages: int, length: float, series: NDArray[np.float64]
 ) -> float:
     """The largest clearance in the step that has been solved."""
-    widest = _clearance(body, physics)
+    widest = _clearance(body, coefficients)
     for i in range(1, stages + 1):
         if body.motion == STUCK:
-            clearance = _grip(physics, series[STAGE_F, i])
+            clearance = _grip(coefficients, series[STAGE_F, i])
         else:
-            speed = foot_velocity_at(body, physics, series[STAGE_V, i], _NODES[method, i] * length)
-            clearance = abs(speed) / physics.payload_fraction
+            speed = foot_velocity_at(body, coefficients, series[STAGE_V, i], _NODES[method, i] * length)
+            clearance = abs(speed) / coefficients.payload_fraction
         widest = max(widest, clearance)
     return widest
 
 
 @compiled
-def _growth_rate(body: Body, physics: Physics, valve: float) -> float:
+def _growth_rate(body: Body, coefficients: Coefficients, valve: float) -> float:
     """Rate at which two motions part, where the pressure can make the stiffness negative; at least 0."""
     z = body.deformation
     pressure = max(body.pressure, valve)
-    stiffness = 1.0 + 3.0 * physics.duffing * z * z - physics.radial_coupling * pressure
+    stiffness = 1.0 + 3.0 * coefficients.duffing * z * z - coefficients.radial_coupling * pressure
     if stiffness >= 0.0:
         return 0.0
-    yielding = inverse_mass(physics, body.motion)
-    damping = yielding * physics.damping
-    stiffness *= yielding
+    mobility = mobility_of(coefficients, body.motion)
+    damping = mobility * coefficients.damping
+    stiffness *= mobility
     # The positive root of x^2 + D x + K, free of cancellation.
     return -2.0 * stiffness / (damping + math.sqrt(damping * damping - 4.0 * stiffness))
 
 
 @compiled
 def _taylor_length(
-    body: Body, physics: Physics, valve: float, stages: int, tolerance: float, series: NDArray[np.float64]
+    body: Body, coefficients: Coefficients, valve: float, stages: int, tolerance: float, series: NDArray[np.float64]
 ) -> float:
     """Longest step that the Taylor series of degree `stages` may begin with.
 
     It alone has the exact slopes of force and speed at its start. However faint the motion, the last terms are small
     beside the others, so that the series does not make up an event.
     """
-    yielding = inverse_mass(physics, body.motion)
+    mobility = mobility_of(coefficients, body.motion)
     pull = series[FORCE]
     length = _LONGEST_START
     for n in range(stages, stages + 2):
-        term = yielding * abs(pull[n])
+        term = mobility * abs(pull[n])
         if term > 0.0:
             length = min(length, math.exp(math.log(tolerance / term) / n))
     for _ in range(_TRIALS):
@@ -331,9 +331,11 @@ def _taylor_length(
         lost = (abs(pull[stages]) + abs(pull[stages + 1]) * length) * power * length
         z = horner(series[Z], stages + 1, length)
         v = horner(series[V], stages + 1, length)
-        defect = abs(force(physics, z, v, pressure_after(body, physics, valve, length)) - horner(pull, stages, length))
-        rounding = ROUNDING * force_terms(physics, z, v)
-        if lost <= _SETTLED * moved and yielding * (defect - rounding) <= tolerance:
+        defect = abs(
+            force(coefficients, z, v, pressure_after(body, coefficients, valve, length)) - horner(pull, stages, length)
+        )
+        rounding = ROUNDING * force_terms(coefficients, z, v)
+        if lost <= _SETTLED * moved and mobility * (defect - rounding) <= tolerance:
             break
         length *= 0.5
     return length
@@ -342,7 +344,7 @@ def _taylor_length(
 @compiled
 def _first_length(
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     method: int,
     stages: int,
@@ -354,14 +356,14 @@ def _first_length(
     A term that the body's fastest mode would have with an amplitude below the tolerance says nothing of the motion:
     that mode may be left to decay unresolved.
     """
-    yielding = inverse_mass(physics, body.motion)
+    mobility = mobility_of(coefficients, body.motion)
     z = body.deformation
-    damping = yielding * physics.damping
+    damping = mobility * coefficients.damping
     pressure = max(body.pressure, valve)
-    stiffness = yielding * (1.0 + 3.0 * physics.duffing * z * z + physics.radial_coupling * pressure)
+    stiffness = mobility * (1.0 + 3.0 * coefficients.duffing * z * z + coefficients.radial_coupling * pressure)
     fastest = damping + math.sqrt(stiffness)
     if abs(body.pressure - valve) > tolerance:
-        fastest = max(fastest, physics.lag_rate)
+        fastest = max(fastest, coefficients.lag_rate)
     slack = tolerance
     for n in range(1, stages - 1):
         slack *= fastest / n
@@ -372,9 +374,9 @@ def _first_length(
         term = abs(series[FORCE, n])
         if term > slack:
             if n < stages:
-                term *= yielding / stages * gap
+                term *= mobility / stages * gap
             elif n == stages:
-                term *= yielding / (1.0 + damping) * gap
+                term *= mobility / (1.0 + damping) * gap
             else:
                 term *= _CHECK_PRODUCT[method]
             length = min(length, math.exp(math.log(tolerance / term) / max(stages, n)))
@@ -384,7 +386,7 @@ def _first_length(
 @compiled
 def _solve(
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     method: int,
     stages: int,
@@ -396,21 +398,21 @@ def _solve(
     """Solve a step's equations into the stage rows; return the size of the force's terms, 0 without convergence."""
     z, v, p, a, pull = series[STAGE_Z], series[STAGE_V], series[STAGE_P], series[STAGE_A], series[STAGE_F]
     left_over, correction = series[CORRECTION], series[SCRATCH]
-    yielding = inverse_mass(physics, body.motion)
-    constant = acceleration_at_no_force(physics, body.motion)
-    damping = length * yielding * physics.damping
+    mobility = mobility_of(coefficients, body.motion)
+    constant = acceleration_at_no_force(coefficients, body.motion)
+    damping = length * mobility * coefficients.damping
 
     z[0], v[0], p[0] = body.deformation, body.velocity, body.pressure
-    pull[0] = force(physics, z[0], v[0], p[0])
-    a[0] = yielding * pull[0] + constant
+    pull[0] = force(coefficients, z[0], v[0], p[0])
+    a[0] = mobility * pull[0] + constant
     for i in range(1, stages + 1):
-        p[i] = pressure_after(body, physics, valve, _NODES[method, i] * length)
+        p[i] = pressure_after(body, coefficients, valve, _NODES[method, i] * length)
     if pace.begin + length <= _EXTRAPOLATION * pace.span:
         for i in range(1, stages + 1):
             moment = pace.begin + _NODES[method, i] * length
-            a[i] = yielding * horner(series[FORCE], stages, moment) + constant
+            a[i] = mobility * horner(series[FORCE], stages, moment) + constant
     else:
-        held = 1.0 + damping + length * length * yielding * (1.0 + 3.0 * physics.duffing * z[0] * z[0])
+        held = 1.0 + damping + length * length * mobility * (1.0 + 3.0 * coefficients.duffing * z[0] * z[0])
         for i in range(1, stages + 1):
             a[i] = a[0] / held
 
@@ -418,7 +420,7 @@ def _solve(
     for iteration in range(_ITERATIONS):
         stiffness = 0.0
         worst = 0.0
-        size = 1.0 + abs(constant) / yielding
+        size = 1.0 + abs(constant) / mobility
         for i in range(1, stages + 1):
             gained = 0.0
             moved = 0.0
@@ -427,16 +429,16 @@ def _solve(
                 moved += _TWICE[method, i - 1, j] * a[j + 1]
             v[i] = v[0] + length * gained
             z[i] = z[0] + length * (_NODES[method, i] * v[0] + length * moved)
-            pull[i] = force(physics, z[i], v[i], p[i])
-            stiffness += 1.0 + 3.0 * physics.duffing * z[i] * z[i] - physics.radial_coupling * p[i]
-            size = max(size, force_terms(physics, z[i], v[i]))
-            left_over[i - 1] = yielding * pull[i] + constant - a[i]
+            pull[i] = force(coefficients, z[i], v[i], p[i])
+            stiffness += 1.0 + 3.0 * coefficients.duffing * z[i] * z[i] - coefficients.radial_coupling * p[i]
+            size = max(size, force_terms(coefficients, z[i], v[i]))
+            left_over[i - 1] = mobility * pull[i] + constant - a[i]
             worst = max(worst, abs(left_over[i - 1]))
         if not abs(stiffness) < np.inf:
             return 0.0
-        stiffness *= length * length * yielding / stages
-        finest = ROUNDING * (yielding * size + abs(constant))
-        weight = max(1.0 / yielding, length / (1.0 + damping + abs(stiffness)))
+        stiffness *= length * length * mobility / stages
+        finest = ROUNDING * (mobility * size + abs(constant))
+        weight = max(1.0 / mobility, length / (1.0 + damping + abs(stiffness)))
         if worst <= finest or worst * weight <= _REMAINDER * tolerance:
             return size
         if iteration > 1 and worst > _GAIN * before:
@@ -471,7 +473,7 @@ def _solve(
 @compiled
 def _error(
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     method: int,
     stages: int,
@@ -488,7 +490,7 @@ def _error(
     """
     z, v, a, pull = series[STAGE_Z], series[STAGE_V], series[STAGE_A], series[STAGE_F]
     rounding = ROUNDING * size
-    yielding = inverse_mass(physics, body.motion)
+    mobility = mobility_of(coefficients, body.motion)
     rate_gap = -v[0]
     gap = -a[0]
     spread = 1.0
@@ -498,13 +500,13 @@ def _error(
         gap += weight * a[i + 1]
         spread += abs(weight)
     doubt = spread * rounding
-    force_gap = max(0.0, abs(gap) / yielding - doubt)
-    square = physics.duffing * z[stages] * z[stages]
-    stiffness = length * yielding * (physics.damping + length * (1.0 + 3.0 * square))
+    force_gap = max(0.0, abs(gap) / mobility - doubt)
+    square = coefficients.duffing * z[stages] * z[stages]
+    stiffness = length * mobility * (coefficients.damping + length * (1.0 + 3.0 * square))
     # What a step errs by is handed on, to the steps of a unit of time or to those before the damping has forgotten it.
-    memory = _DENSE[method] * max(length, 1.0 / (1.0 + yielding * physics.damping))
+    memory = _DENSE[method] * max(length, 1.0 / (1.0 + mobility * coefficients.damping))
     error = _DENSE[method] * max(length, 1.0) * max(0.0, abs(rate_gap) - spread * ROUNDING * abs(v[0]))
-    error = max(error, memory * yielding * force_gap / (1.0 + stiffness))
+    error = max(error, memory * mobility * force_gap / (1.0 + stiffness))
     error = max(error, force_gap * stiffness / (1.0 + stiffness))
     for k in range(CHECKS):
         z_there = 0.0
@@ -515,8 +517,8 @@ def _error(
             z_there += weight * z[i]
             v_there += weight * v[i]
             pull_there += weight * pull[i]
-        pressure = pressure_after(body, physics, valve, _CHECKS[method, k] * length)
-        defect = abs(force(physics, z_there, v_there, pressure) - pull_there)
+        pressure = pressure_after(body, coefficients, valve, _CHECKS[method, k] * length)
+        defect = abs(force(coefficients, z_there, v_there, pressure) - pull_there)
         error = max(error, defect - 2.0 * rounding)
     return error
 

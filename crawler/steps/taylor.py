@@ -17,13 +17,13 @@ from ..model.equations import (
     acceleration_at_no_force,
     force,
     force_terms,
-    inverse_mass,
+    mobility_of,
     moved,
     pressure_after,
     retardation,
 )
-from ..model.state import Body, Physics, STUCK
-from .options import AFRESH, Control, Method, Pace, TAYLOR
+from ..model.state import Body, Coefficients, STUCK
+from .options import AFRESH, Method, Options, Pace, TAYLOR
 from .taylor_series import write_step
 from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, Z
 
@@ -70,7 +70,9 @@ def order_for(tolerance: float) -> int:
 
 
 @formula
-def step_inputs(body: Body, physics: Physics, valve: float, tolerance: float, remaining: float) -> tuple[float, ...]:
+def step_inputs(
+    body: Body, coefficients: Coefficients, valve: float, tolerance: float, remaining: float
+) -> tuple[float, ...]:
     """What a step's recurrence begins with."""
     stuck = body.motion == STUCK
     return (
@@ -78,25 +80,25 @@ def step_inputs(body: Body, physics: Physics, valve: float, tolerance: float, re
         body.velocity,
         body.pressure,
         valve,
-        physics.lag_rate,
-        physics.radial_coupling,
-        physics.duffing,
-        physics.damping,
-        inverse_mass(physics, body.motion),
-        acceleration_at_no_force(physics, body.motion),
+        coefficients.lag_rate,
+        coefficients.radial_coupling,
+        coefficients.duffing,
+        coefficients.damping,
+        mobility_of(coefficients, body.motion),
+        acceleration_at_no_force(coefficients, body.motion),
         tolerance,
         remaining,
         # The event function: the force while the foot sticks, its speed in the direction of motion while it slides.
         where(stuck, 1.0, 0.0),
-        body.motion * -physics.payload_fraction,
-        where(stuck, 0.0, body.motion * -retardation(physics, body.motion)),
+        body.motion * -coefficients.payload_fraction,
+        where(stuck, 0.0, body.motion * -retardation(coefficients, body.motion)),
     )
 
 
 @merged
 def expand(
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     method: Method,
     tolerance: float,
@@ -108,7 +110,7 @@ def expand(
     Parameters
     ----------
     body : Body
-    physics : Physics
+    coefficients : Coefficients
     valve : float
         The valve while the series holds, 0 or 1.
     method : Method
@@ -120,18 +122,18 @@ def expand(
     series : (ROWS, WIDTH) array
         Written in place.
     """
-    inputs = step_inputs(body, physics, valve, tolerance, remaining)
+    inputs = step_inputs(body, coefficients, valve, tolerance, remaining)
     write_step(method, inputs, series)
 
 
 def taylor_step(
     opening: Body,
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     elapsed: float,
     remaining: float,
-    control: Control,
+    options: Options,
     pace: Pace,
     series: NDArray[np.float64],
 ) -> tuple[float, Body, Pace]:
@@ -144,11 +146,11 @@ def taylor_step(
     ----------
     opening, body : Body
         At the start of the valve's present state and of the step.
-    physics : Physics
+    coefficients : Coefficients
     valve : float
     elapsed, remaining : float
         Time from `opening`, and to the valve's next turn or the end of the hold.
-    control : Control
+    options : Options
     pace : Pace
         Of no matter here.
     series : (ROWS, WIDTH) array
@@ -163,8 +165,8 @@ def taylor_step(
     pace : Pace
         AFRESH: every series starts anew.
     """
-    expand(body, physics, valve, control.method, control.tolerance, remaining, series)
-    length, end = trusted(opening, body, physics, valve, elapsed, control.tolerance, control.order, series)
+    expand(body, coefficients, valve, options.method, options.tolerance, remaining, series)
+    length, end = trusted(opening, body, coefficients, valve, elapsed, options.tolerance, options.order, series)
     return length, end, AFRESH
 
 
@@ -172,7 +174,7 @@ def taylor_step(
 def trusted(
     opening: Body,
     body: Body,
-    physics: Physics,
+    coefficients: Coefficients,
     valve: float,
     elapsed: float,
     tolerance: float,
@@ -184,30 +186,32 @@ def trusted(
     expected = series[STEP, END_FORCE]
     if not abs(series[V, order + 1]) < np.inf:
         return np.nan, body
-    pressure = pressure_after(opening, physics, valve, elapsed + length)
+    pressure = pressure_after(opening, coefficients, valve, elapsed + length)
     for _ in range(SHORTENINGS):
-        if is_sound(physics, body.motion, z, v, pressure, expected, tolerance):
+        if is_sound(coefficients, body.motion, z, v, pressure, expected, tolerance):
             break
-        defect = inverse_mass(physics, body.motion) * abs(force(physics, z, v, pressure) - expected)
+        defect = mobility_of(coefficients, body.motion) * abs(force(coefficients, z, v, pressure) - expected)
         shrink = math.exp(math.log(tolerance / defect) / (order + 1))
         length *= max(0.25, min(0.9, shrink))
         z = horner(series[Z], order + 1, length)
         v = horner(series[V], order + 1, length)
         expected = horner(series[FORCE], order, length)
-        pressure = pressure_after(opening, physics, valve, elapsed + length)
-    return length, moved(body, physics, z, v, pressure, length)
+        pressure = pressure_after(opening, coefficients, valve, elapsed + length)
+    return length, moved(body, coefficients, z, v, pressure, length)
 
 
 @formula
 def is_sound(
-    physics: Physics, motion: int, z: float, v: float, pressure: float, expected: float, tolerance: float
+    coefficients: Coefficients, motion: int, z: float, v: float, pressure: float, expected: float, tolerance: float
 ) -> bool | np.bool_:
     """Whether the force at a step's end is the `expected` one of the series but for the tolerance, and rounding."""
-    defect = abs(force(physics, z, v, pressure) - expected) - ROUNDING * force_terms(physics, z, v)
-    return inverse_mass(physics, motion) * defect <= TRUST * tolerance
+    defect = abs(force(coefficients, z, v, pressure) - expected) - ROUNDING * force_terms(coefficients, z, v)
+    return mobility_of(coefficients, motion) * defect <= TRUST * tolerance
 
 
 @compiled
-def state_at(body: Body, physics: Physics, pressure: float, order: int, t: float, series: NDArray[np.float64]) -> Body:
+def state_at(
+    body: Body, coefficients: Coefficients, pressure: float, order: int, t: float, series: NDArray[np.float64]
+) -> Body:
     """State a time `t` into the step, where the pressure is `pressure`."""
-    return moved(body, physics, horner(series[Z], order + 1, t), horner(series[V], order + 1, t), pressure, t)
+    return moved(body, coefficients, horner(series[Z], order + 1, t), horner(series[V], order + 1, t), pressure, t)

@@ -9,14 +9,14 @@ import numpy as np
 from ...compiling.tracing import fma, sum_of_products, unrolled
 from .workspace import FORCE, P, STEP, V, WORK, Z
 
-__all__ = ["coefficients", "step", "value", "write_energies", "write_step"]
+__all__ = ["series_coefficients", "step", "value", "write_energies", "write_step"]
 
 # Where the motion is fainter than the tolerance, an absolute test would allow steps beyond the series' radius of
 # convergence. The body's own period is 2 pi, so this many natural units keep within it.
 _LONGEST = 4.0
 
 
-def coefficients(
+def series_coefficients(
     order: int,
     deformation: Any,
     velocity: Any,
@@ -26,7 +26,7 @@ def coefficients(
     radial_coupling: Any,
     duffing: Any,
     damping: Any,
-    yielding: Any,
+    mobility: Any,
     constant: Any,
 ) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
     """Coefficients of z, v, p and the force F about one instant.
@@ -40,7 +40,7 @@ def coefficients(
     order : int
         Last coefficient of p and F; z and v get one more.
     deformation, velocity, pressure, valve : number
-    lag_rate, radial_coupling, duffing, damping, yielding, constant : number
+    lag_rate, radial_coupling, duffing, damping, mobility, constant : number
         Of the equations above; `damping` is 2 Pi2.
 
     Returns
@@ -65,7 +65,7 @@ def coefficients(
         by_newest = sorted(range(n + 1), key=lambda i: max(i + 0.5, n - i))
         total = sum_of_products([stiffness[i] for i in by_newest], [z[n - i] for i in by_newest], p[n])
         force.append(fma(braking, v[n], total))
-        v.append(fma(force[n], yielding, constant) if n == 0 else force[n] * (yielding * (1.0 / (n + 1))))
+        v.append(fma(force[n], mobility, constant) if n == 0 else force[n] * (mobility * (1.0 / (n + 1))))
         z.append(v[n] * (1.0 / (n + 1)))
     return z, v, p, force
 
@@ -92,7 +92,7 @@ def step(order: int, _rows: Any, *inputs: Any) -> dict[int, list[Any]]:
     its slope times the length.
     """
     *motion, tolerance, remaining, force_weight, velocity_weight, drift = inputs
-    z, v, p, force = coefficients(order, *motion)
+    z, v, p, force = series_coefficients(order, *motion)
 
     exponent: Any = math.log2(_LONGEST)
     allowed = tolerance.log2()

@@ -104,11 +104,11 @@ def reference_for(case: Case, comparisons: int = 1) -> Reference:
             for name, rounding in _rounding(case, trajectory).items()
         }
     else:
-        twins = twin_statistics(case, solver, TIGHTEST)
-        values = {name: float(np.mean(found)) for name, found in twins.items()}
-        quantile = student.ppf(1.0 - 0.5 * _FALSE_ALARM / (comparisons * len(twins)), _TWINS - 1)
+        ensemble = twin_statistics(case, solver, TIGHTEST)
+        values = {name: float(np.mean(found)) for name, found in ensemble.items()}
+        quantile = student.ppf(1.0 - 0.5 * _FALSE_ALARM / (comparisons * len(ensemble)), _TWINS - 1)
         floors = {
-            name: float(quantile * np.std(found, ddof=1) * np.sqrt(2.0 / _TWINS)) for name, found in twins.items()
+            name: float(quantile * np.std(found, ddof=1) * np.sqrt(2.0 / _TWINS)) for name, found in ensemble.items()
         }
     slips = {trajectory.slips, closest.slips if closest else trajectory.slips}
     return Reference(solver, trajectory, checks, comparable, values, floors, tuple(sorted(slips)))

@@ -10,7 +10,7 @@ from cases import HUNT
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from stickslip.compiling.roots import first_descent, horner, horner_derivative, LARGEST_DEGREE, sharp_descent
+from stickslip.compiling.roots import first_downcrossing, horner, horner_derivative, LARGEST_DEGREE, sharp_descent
 
 NEVER = np.inf
 units = st.fractions(0, 1, max_denominator=1000)
@@ -29,7 +29,7 @@ def product(roots, sign=1):
 
 
 def descent(coefficients, length=1.0):
-    return first_descent(np.array([float(c) for c in coefficients]), len(coefficients) - 1, length)
+    return first_downcrossing(np.array([float(c) for c in coefficients]), len(coefficients) - 1, length)
 
 
 def value(coefficients, t):
@@ -123,7 +123,7 @@ def test_two_roots_close_together_are_found(gap, at, degree):
 def test_two_roots_a_billionth_apart_are_found_where_rounding_allows():
     # On a step as short as this the dip between them is deep.
     a, b = 1e-9, 2e-9
-    assert first_descent(np.array([a * b, -(a + b), 1.0]), 2, 4e-9) == pytest.approx(a, rel=1e-12)
+    assert first_downcrossing(np.array([a * b, -(a + b), 1.0]), 2, 4e-9) == pytest.approx(a, rel=1e-12)
     # Elsewhere a dip of gap^2 / 4 = 2.5e-19 is far below rounding, and must count as a graze.
     assert descent(product([Fraction(1, 2), Fraction(1, 2) + Fraction(1, 10**9)])) == NEVER
 
@@ -132,7 +132,7 @@ def test_two_roots_a_billionth_apart_are_found_where_rounding_allows():
 @given(data=st.lists(st.floats(-1.0, 1.0), min_size=2, max_size=LARGEST_DEGREE + 1), length=st.floats(1e-3, 3.0))
 def test_no_earlier_point_is_negative_and_a_later_one_is(data, length):
     """Truth in exact arithmetic, on a grid: nothing below zero before the root; just after it, something is."""
-    found = first_descent(np.array(data), len(data) - 1, length)
+    found = first_downcrossing(np.array(data), len(data) - 1, length)
     exact = [Fraction(c) for c in data]
     noise = 64 * 2.0**-52 * sum(abs(c) * length**n for n, c in enumerate(data))
     looks = np.linspace(0.0, min(found, length), 60)
@@ -155,7 +155,7 @@ def test_a_polynomial_with_no_negative_bernstein_coefficient_never_descends(bump
         float(sum((-1) ** (n - i) * comb(degree, n) * comb(n, i) * Fraction(bumps[i]) for i in range(n + 1)))
         for n in range(degree + 1)
     ]
-    found = first_descent(np.array(coefficients), degree, 1.0)
+    found = first_downcrossing(np.array(coefficients), degree, 1.0)
     # Rounding of alternating sums grows with the degree; what it may hide is within the function's own noise.
     size = sum(abs(c) for c in coefficients)
     assert found == NEVER or abs(horner(np.array(coefficients), degree, found)) < 1e-14 * size
@@ -171,13 +171,13 @@ def test_every_degree_and_scale(degree):
     # Binomial coefficients cancel down from 2^degree, and what is lost counts as zero.
     near = 32.0 * 2.0**-52 * 2.0**degree / (degree * number ** (1.0 - 1.0 / degree)) + 1e-13
     for scale in (1e-200, 1.0, 1e200):
-        assert first_descent(scale * coefficients, degree, 1.0) == pytest.approx(expected, abs=near)
+        assert first_downcrossing(scale * coefficients, degree, 1.0) == pytest.approx(expected, abs=near)
     stretched = coefficients * 0.5 ** np.arange(degree + 1)
-    assert first_descent(stretched, degree, 2.0) == pytest.approx(2.0 * expected, abs=2.0 * near)
+    assert first_downcrossing(stretched, degree, 2.0) == pytest.approx(2.0 * expected, abs=2.0 * near)
 
 
 def test_only_as_many_coefficients_are_read_as_the_degree_says():
-    assert first_descent(np.array([1.0, -2.0, np.nan, -1e9]), 1, 1.0) == pytest.approx(0.5)
+    assert first_downcrossing(np.array([1.0, -2.0, np.nan, -1e9]), 1, 1.0) == pytest.approx(0.5)
 
 
 @HUNT

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
-from stickslip.crawler.model.state import Body, NOTHING_YET, physics, STUCK
+from stickslip.crawler.model.state import Body, coefficients_of, NOTHING_YET, STUCK
 from stickslip.crawler.motion.loop import advance
 from stickslip.crawler.refusals import solver_error
 from stickslip.crawler.solvers import SOLVERS
@@ -106,14 +106,14 @@ def test_the_row_of_a_batch_that_fails_is_named():
 # What the kernel reports
 
 
-def kernel(groups, hold, *, events=8, body=None, **control):
+def kernel(groups, hold, *, events=8, body=None, **options):
     return advance(
         body or Body(0.0, 0.0, 0.0, 0.0, 0.0, STUCK, 0),
         NOTHING_YET,
-        physics(groups, Scene()),
+        coefficients_of(groups, Scene()),
         1.0,
         hold,
-        SOLVERS["taylor"].control(1e-9, **control),
+        SOLVERS["taylor"].options(1e-9, **options),
         0.0,
         np.empty((5, 1)),
         np.empty((events, 2)),

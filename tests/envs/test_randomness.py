@@ -76,12 +76,12 @@ def test_the_next_flip_of_a_copy_follows_its_own_generator(twin_of):
     env, envs = single(), batch(2)
     env.reset(seed=1), envs.reset(seed=1)
     flips(env, 5), flips_of_each(envs, 5)
-    twin, twins = twin_of(env), twin_of(envs)
+    twin, ensemble = twin_of(env), twin_of(envs)
     before = copy.deepcopy(env.unwrapped.np_random)
     twin.unwrapped.np_random = np.random.default_rng(3)
-    twins.np_random[1].bit_generator.state = np.random.default_rng(4).bit_generator.state
+    ensemble.np_random[1].bit_generator.state = np.random.default_rng(4).bit_generator.state
     assert flips(twin) == flips_of(np.random.default_rng(3))
-    assert flips_of_each(twins)[1] == flips_of(np.random.default_rng(4))
+    assert flips_of_each(ensemble)[1] == flips_of(np.random.default_rng(4))
     # And the original's are its own.
     assert flips(env) == flips_of(copy.deepcopy(before))
     assert flips_of_each(envs)[0] == flips_of(before)

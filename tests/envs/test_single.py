@@ -195,8 +195,8 @@ def test_a_copy_goes_on_as_the_original_would(twin_of, arguments):
     env.reset(seed=1)
     rollout(env, commands(70))
     twin = twin_of(env)
-    twins = rollout(twin, commands(300, seed=1))
-    assert_same_steps(twins, rollout(env, commands(300, seed=1)))
+    ensemble = rollout(twin, commands(300, seed=1))
+    assert_same_steps(ensemble, rollout(env, commands(300, seed=1)))
 
 
 def test_observations_are_float32_within_bounds_and_independent():

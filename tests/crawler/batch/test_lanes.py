@@ -11,7 +11,7 @@ from stickslip.compiling.vectors import LANES
 from stickslip.crawler import Groups, Scene
 from stickslip.crawler.batch.advance import advance_lanes, lane_workspace
 from stickslip.crawler.drive import advance_by_method
-from stickslip.crawler.model.state import Body, NOTHING_YET, physics
+from stickslip.crawler.model.state import Body, coefficients_of, NOTHING_YET
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.steps.options import DIVERGED, FINISHED, MAX_STEPS, OUT_OF_STEPS, TAYLOR
 from stickslip.crawler.steps.taylor import order_for
@@ -21,13 +21,15 @@ UNTOUCHED = -9.0
 
 
 @compiled
-def in_lanes(bodies, coefficients, valves, skip, begin, end, hold, control, samples, workspace, statuses, elapsed):
-    advance_lanes(bodies, coefficients, valves, skip, begin, end, hold, control, samples, workspace, statuses, elapsed)
+def in_lanes(bodies, coefficients, valves, skip, begin, end, hold, options, samples, workspace, statuses, elapsed):
+    advance_lanes(bodies, coefficients, valves, skip, begin, end, hold, options, samples, workspace, statuses, elapsed)
 
 
 @compiled
-def alone(body, physics, valve, hold, control, samples, workspace):
-    return advance_by_method(body, NOTHING_YET, physics, valve, hold, control, 0.0, samples, workspace[:0], workspace)
+def alone(body, coefficients, valve, hold, options, samples, workspace):
+    return advance_by_method(
+        body, NOTHING_YET, coefficients, valve, hold, options, 0.0, samples, workspace[:0], workspace
+    )
 
 
 class Batch:
@@ -35,7 +37,7 @@ class Batch:
 
     def __init__(self, members, bodies=None):
         n = len(members)
-        self.members = [physics(groups, scene) for groups, scene in members]
+        self.members = [coefficients_of(groups, scene) for groups, scene in members]
         self.coefficients = np.array(self.members, dtype=np.float64).T.copy()
         self.bodies = np.zeros((7, n)) if bodies is None else np.array(bodies, dtype=np.float64)
         self.samples = np.full((3, SAMPLES, n), UNTOUCHED)
@@ -44,7 +46,7 @@ class Batch:
         self.skip = np.zeros(n, bool)
         self.workspace = lane_workspace()
 
-    def advance(self, valves, hold, control, begin=0, end=None):
+    def advance(self, valves, hold, options, begin=0, end=None):
         """Both ways, compared: what is in the slice bit for bit, what is not left as it was."""
         end = len(self.members) if end is None else end
         before = [array.copy() for array in self.arrays]
@@ -57,7 +59,7 @@ class Batch:
             begin,
             end,
             hold,
-            control,
+            options,
             self.samples,
             self.workspace,
             self.statuses,
@@ -69,7 +71,7 @@ class Batch:
                 own = np.full((5, SAMPLES), UNTOUCHED)
                 start = Body(*bodies[:5].tolist(), int(bodies[5]), int(bodies[6]))
                 workspace = SOLVERS["taylor"].workspace(coefficients, hold, SAMPLES)
-                outcome = alone(start, coefficients, float(valves[i]), hold, control, own, workspace)
+                outcome = alone(start, coefficients, float(valves[i]), hold, options, own, workspace)
                 bodies, statuses, elapsed = np.array(outcome.body), outcome.status, outcome.elapsed
                 samples = np.where(own[:3] == UNTOUCHED, samples, own[:3])
             np.testing.assert_array_equal(self.bodies[:, i], bodies, err_msg=f"crawler {i}")
@@ -83,7 +85,7 @@ class Batch:
 
 
 def taylor(tolerance, max_steps=MAX_STEPS):
-    return SOLVERS["taylor"].control(tolerance, max_steps=max_steps)
+    return SOLVERS["taylor"].options(tolerance, max_steps=max_steps)
 
 
 def spread(rng, low, high):
@@ -211,7 +213,7 @@ def test_extremes(groups):
 def test_radau_and_the_closed_form_take_the_same_call():
     linear = Groups(duffing=0.0, radial_coupling=0.0)
     for solver, groups in (SOLVERS["radau"], Groups()), (SOLVERS["closed_form"], linear):
-        control = solver.control(1e-6)
+        options = solver.options(1e-6)
         batch = Batch([(groups, Scene())] * 3)
         batch.workspace = solver.workspace(batch.members[0], 0.5, SAMPLES)
         single = np.zeros(7)
@@ -224,7 +226,7 @@ def test_radau_and_the_closed_form_take_the_same_call():
                 0,
                 2,
                 0.5,
-                control,
+                options,
                 batch.samples,
                 batch.workspace[None],
                 batch.statuses,
@@ -232,7 +234,7 @@ def test_radau_and_the_closed_form_take_the_same_call():
             )
             own = np.empty((5, SAMPLES))
             start = Body(*single[:5].tolist(), int(single[5]), int(single[6]))
-            outcome = alone(start, batch.members[0], float(valve), 0.5, control, own, batch.workspace)
+            outcome = alone(start, batch.members[0], float(valve), 0.5, options, own, batch.workspace)
             single = np.array(outcome.body)
             for i in range(2):
                 np.testing.assert_array_equal(batch.bodies[:, i], single)

@@ -14,7 +14,7 @@ from modal_judge import LinearMotion, modal_judge
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
 from stickslip.crawler.closed_form.loop import advance_linear
-from stickslip.crawler.model.state import Body, FORWARD, NOTHING_YET, physics, STUCK
+from stickslip.crawler.model.state import Body, coefficients_of, FORWARD, NOTHING_YET, STUCK
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.steps.options import OUT_OF_STEPS
 from stickslip.crawler.steps.propagator import propagator, rates_of, tabulate
@@ -37,21 +37,21 @@ def linear(groups, **changes):
 
 def exact_propagator(rates, t):
     """exp(A t) of the state (z, v, q), in 60 digits and with scaling and squaring."""
-    y, d, lag = (mp.mpf(value) for value in (rates.yielding, rates.damping, rates.lag))
+    y, d, lag = (mp.mpf(value) for value in (rates.mobility, rates.damping, rates.lag))
     matrix = mp.matrix([[0, 1, 0], [-y, -y * d, y], [0, 0, -lag]]) * mp.mpf(t)
     return mp.expm(matrix, method="taylor")
 
 
 def assert_propagates(groups, motion, t, tolerance=2e-15):
     """Each entry against mpmath, in units of its largest, save for the phase: omega t is known to one part in 2^53."""
-    rates = rates_of(physics(groups, Scene()), motion)
+    rates = rates_of(coefficients_of(groups, Scene()), motion)
     over = propagator(rates, t)
     with mp.workdps(60):
         # As many squarings of the matrix as its norm asks for lose as many digits.
-        norm = t * max(1.0, rates.yielding * (1.0 + rates.damping), rates.lag)
+        norm = t * max(1.0, rates.mobility * (1.0 + rates.damping), rates.lag)
         mp.mp.dps = 60 + int(2 * np.log10(1.0 + norm))
         exact = exact_propagator(rates, t)
-        frequency = np.sqrt(rates.yielding)
+        frequency = np.sqrt(rates.mobility)
         entries = (
             (over.z_z, exact[0, 0], 1.0),
             (over.z_v, exact[0, 1], 1.0 / frequency),
@@ -92,7 +92,7 @@ def test_propagators_where_rates_coincide(which, seed):
     frequency = 1.0 / np.sqrt(1.0 - r)
     critical = "critical" in which
     damping = near(rng, 1.0 / frequency) if critical else spread(rng, 1.0, 1e4)
-    body = rates_of(physics(linear(LINEAR, damping_ratio=damping, foot_mass_fraction=r), Scene()), STUCK)
+    body = rates_of(coefficients_of(linear(LINEAR, damping_ratio=damping, foot_mass_fraction=r), Scene()), STUCK)
     resonant = {"critical": spread(rng, 1e-6, 1e6), "critical and resonant": body.mean}
     lag = near(rng, resonant[which] if critical else getattr(body, which))
     groups = linear(LINEAR, damping_ratio=damping, foot_mass_fraction=r, deborah=1.0 / lag)
@@ -102,7 +102,7 @@ def test_propagators_where_rates_coincide(which, seed):
 
 def test_over_no_time_nothing_changes_and_over_a_long_one_everything_fades():
     for groups in (linear(LINEAR, damping_ratio=d, deborah=b) for d in (0.1, 1e4) for b in (1e-6, 1.0)):
-        rates = rates_of(physics(groups, Scene()), STUCK)
+        rates = rates_of(coefficients_of(groups, Scene()), STUCK)
         assert propagator(rates, 0.0) == (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0)
         assert not any(propagator(rates, 1e300))
 
@@ -298,7 +298,7 @@ def test_the_tolerance_changes_nothing():
 
 
 def test_the_step_budget_is_kept():
-    samples, coefficients = np.empty((5, 1)), physics(LINEAR, Scene())
+    samples, coefficients = np.empty((5, 1)), coefficients_of(LINEAR, Scene())
     body = Body(1.5, 0.0, 0.0, 0.0, 0.0, STUCK, 0)
     for budget in range(60):
         outcome = advance_linear(
@@ -307,7 +307,7 @@ def test_the_step_budget_is_kept():
             coefficients,
             0.0,
             20.0,
-            SOLVERS["closed_form"].control(1e-9, max_steps=budget),
+            SOLVERS["closed_form"].options(1e-9, max_steps=budget),
             0.0,
             samples,
             np.empty((0, 2)),

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from stickslip.crawler import Groups, Scene, simulate, State
-from stickslip.crawler.model.state import Body, FORWARD, NOTHING_YET, physics, STUCK
+from stickslip.crawler.model.state import Body, coefficients_of, FORWARD, NOTHING_YET, STUCK
 from stickslip.crawler.motion.loop import advance
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.steps.options import FINISHED
@@ -273,10 +273,10 @@ def _advanced(groups, body, hold):
     outcome = advance(
         body,
         NOTHING_YET,
-        physics(groups, Scene()),
+        coefficients_of(groups, Scene()),
         0.0,
         hold,
-        SOLVERS["taylor"].control(1e-15),
+        SOLVERS["taylor"].options(1e-15),
         0.0,
         np.empty((5, 0)),
         np.empty((0, 2)),

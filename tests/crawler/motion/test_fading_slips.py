@@ -7,7 +7,7 @@ from modal_judge import modal_judge
 from test_lanes import alone, Batch, taylor
 
 from stickslip.crawler import ChainState, Groups, Scene, simulate, State
-from stickslip.crawler.model.state import BACKWARD, Body, FORWARD, physics, STUCK
+from stickslip.crawler.model.state import BACKWARD, Body, coefficients_of, FORWARD, STUCK
 from stickslip.crawler.solvers import SOLVERS
 
 FADING = Groups(duffing=0.0, radial_coupling=0.0, damping_ratio=0.05, foot_mass_fraction=1e-3, kinetic_friction=0.0)
@@ -52,15 +52,15 @@ def test_what_follows_is_what_the_judge_says(scene, valve, hold, start):
     [(FORWARD, 0.0, 0), (FORWARD, 1.0, 1), (BACKWARD, 0.0, 0), (FORWARD, 0.0, 1), (BACKWARD, 1.0, 0)],
 )
 def test_a_faded_foot_is_one_at_rest(solver, motion, valve, opened):
-    coefficients, method = physics(FADING, SYMMETRIC), SOLVERS[solver]
+    coefficients, method = coefficients_of(FADING, SYMMETRIC), SOLVERS[solver]
 
     def end(motion, speed):
         body = Body(opened, 0.0, opened, 0.0, motion * speed, motion, 0)
         workspace = method.workspace(coefficients, 0.7, 3)
-        return alone(body, coefficients, float(valve), 0.7, method.control(1e-12), np.empty((5, 3)), workspace).body
+        return alone(body, coefficients, float(valve), 0.7, method.options(1e-12), np.empty((5, 3)), workspace).body
 
-    faded, resting = end(motion, 0.0), end(STUCK, 0.0)
-    np.testing.assert_allclose(faded, resting, rtol=0, atol=1e-10)
+    flush_to_zero, resting = end(motion, 0.0), end(STUCK, 0.0)
+    np.testing.assert_allclose(flush_to_zero, resting, rtol=0, atol=1e-10)
     if valve != opened:  # the turning valve brakes what still moves
         np.testing.assert_allclose(end(motion, 1e-200), resting, rtol=0, atol=1e-10)
 

@@ -11,10 +11,10 @@ from judge import judge
 
 from stickslip.compiling.roots import horner, horner_derivative
 from stickslip.crawler import Groups, Scene, simulate, State
-from stickslip.crawler.model.equations import acceleration_at_no_force, force, inverse_mass, pressure_after
-from stickslip.crawler.model.state import Body, FORWARD, physics, STUCK
+from stickslip.crawler.model.equations import acceleration_at_no_force, force, mobility_of, pressure_after
+from stickslip.crawler.model.state import Body, coefficients_of, FORWARD, STUCK
 from stickslip.crawler.steps.options import AFRESH, Pace
-from stickslip.crawler.steps.radau import collocate, radau_again, stages_for
+from stickslip.crawler.steps.radau import collocate, refine_event_step, stages_for
 from stickslip.crawler.steps.radau_table import CHECKS, STAGES, TABLES
 from stickslip.crawler.steps.workspace import FORCE, P, ROWS, V, WIDTH, Z
 
@@ -143,7 +143,7 @@ def test_the_checks_are_where_the_polynomials_err_most(m, stages):
 @pytest.mark.parametrize("motion", [STUCK, FORWARD])
 @pytest.mark.parametrize("special", [{}, STIFF["extreme damping"], STIFF["light foot"]])
 def test_a_step_obeys_the_equations_at_its_nodes(stages, motion, special):
-    coefficients = physics(Groups(**special), Scene())
+    coefficients = coefficients_of(Groups(**special), Scene())
     body = Body(0.3, 1e-5, 0.9, 0.0, 0.1 if motion else 0.0, motion, 0)
     series = np.full((ROWS, WIDTH), np.nan)
     tolerance = 1e-9
@@ -153,7 +153,7 @@ def test_a_step_obeys_the_equations_at_its_nodes(stages, motion, special):
     assert 0.0 <= pace.error <= 1.0
     assert series[Z, 0] == body.deformation
     assert series[V, 0] == body.velocity
-    yielding = inverse_mass(coefficients, motion)
+    mobility = mobility_of(coefficients, motion)
     for node in TABLES.nodes[STAGES.index(stages), : stages + 1]:
         t = node * length
         z, v = (horner(series[row], stages + 1, t) for row in (Z, V))
@@ -164,14 +164,16 @@ def test_a_step_obeys_the_equations_at_its_nodes(stages, motion, special):
         if node > 0.0:
             assert horner_derivative(series[Z], stages, t) == pytest.approx(v, abs=1e-12)
             acceleration = horner_derivative(series[V], stages, t)
-            expected = yielding * pull + acceleration_at_no_force(coefficients, motion)
-            assert acceleration == pytest.approx(expected, abs=0.1 * tolerance * yielding / length)
+            expected = mobility * pull + acceleration_at_no_force(coefficients, motion)
+            assert acceleration == pytest.approx(expected, abs=0.1 * tolerance * mobility / length)
 
 
 def test_a_step_of_an_unsolvable_body_is_refused():
     body = Body(np.nan, 0.0, 0.0, 0.0, 0.0, STUCK, 0)
     series = np.zeros((ROWS, WIDTH))
-    length, _ = collocate(body, physics(Groups(), Scene()), 0.0, 1.0, 5, 1e-6, AFRESH._replace(length=0.1), series)
+    length, _ = collocate(
+        body, coefficients_of(Groups(), Scene()), 0.0, 1.0, 5, 1e-6, AFRESH._replace(length=0.1), series
+    )
     assert np.isnan(length)
 
 
@@ -186,12 +188,12 @@ def test_an_unstable_body_is_not_held_by_the_method():
 
 
 def test_a_step_is_repeated_for_an_event_early_in_it_or_faint():
-    coefficients = physics(Groups(), Scene())
+    coefficients = coefficients_of(Groups(), Scene())
     pace = Pace(2.0, 1.0, 1.0, 0.3, 1e-3)
 
     def repeated(moment, pace=pace, speed=1.0):
         body = Body(0.0, 0.0, 0.0, 0.0, speed, FORWARD, 1)
-        return radau_again(body, coefficients, 1e-3, pace, moment)
+        return refine_event_step(body, coefficients, 1e-3, pace, moment)
 
     assert repeated(0.5) == Pace(pytest.approx(0.55), 1.0, 0.0, 0.3, 0.0)
     assert repeated(0.9) == AFRESH

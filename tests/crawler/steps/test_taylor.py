@@ -6,10 +6,10 @@ import pytest
 
 from stickslip.compiling.roots import LARGEST_DEGREE
 from stickslip.crawler import Groups, Scene
-from stickslip.crawler.model.state import BACKWARD, Body, FORWARD, physics, STUCK
+from stickslip.crawler.model.state import BACKWARD, Body, coefficients_of, FORWARD, STUCK
 from stickslip.crawler.steps.options import TAYLOR
 from stickslip.crawler.steps.taylor import expand, order_for, ORDERS
-from stickslip.crawler.steps.taylor_series import coefficients
+from stickslip.crawler.steps.taylor_series import series_coefficients
 from stickslip.crawler.steps.workspace import (
     END_FORCE,
     END_V,
@@ -38,7 +38,7 @@ CASES = [
 def expanded(groups, motion, valve, order=ORDER, state=(0.4, -0.3, 0.7), tolerance=1e-9, remaining=np.inf):
     series = np.full((ROWS, WIDTH), np.nan)
     body = Body(*state, 0.0, 0.0, motion, 0)
-    expand(body, physics(groups, Scene(ratchet=False)), valve, TAYLOR[order](), tolerance, remaining, series)
+    expand(body, coefficients_of(groups, Scene(ratchet=False)), valve, TAYLOR[order](), tolerance, remaining, series)
     return series
 
 
@@ -140,11 +140,11 @@ def test_no_step_is_longer_than_asked_for():
 def test_machine_code_computes_what_the_recurrence_says(order):
     groups, state = Groups(duffing=3.0), (0.4, -0.3, 0.7)
     series = expanded(groups, STUCK, 1.0, order, state)
-    coefficient = physics(groups, Scene())
+    coefficient = coefficients_of(groups, Scene())
     with mpmath.workdps(40):
         numbers = [*state, 1.0, coefficient.lag_rate, coefficient.radial_coupling, coefficient.duffing]
         numbers += [coefficient.damping, 1.0 / coefficient.payload_fraction, 0.0]
-        rows = coefficients(order, *(mpmath.mpf(number) for number in numbers))
+        rows = series_coefficients(order, *(mpmath.mpf(number) for number in numbers))
     for written, row in zip(series, rows, strict=False):
         np.testing.assert_allclose(written[: len(row)], [float(number) for number in row], rtol=1e-12, atol=1e-14)
 
