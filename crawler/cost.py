@@ -72,9 +72,9 @@ class Method(NamedTuple):
     stiff: bool  # whether a mode that would allow a longer one is of no more concern
 
 
-def rates(coefficients: Coefficients, motion: int, deformation: float) -> Rates:
+def rates(coefficients: Coefficients, mode: int, deformation: float) -> Rates:
     """Rates of the body about a deformation; K = 1 + 3 Pi1 z^2."""
-    mobility = mobility_of(coefficients, motion)
+    mobility = mobility_of(coefficients, mode)
     stiffness = 1.0 + 3.0 * coefficients.duffing * deformation**2
     return Rates(math.sqrt(mobility * stiffness), mobility * coefficients.damping)
 
@@ -92,9 +92,9 @@ def fastest_rate(groups: Groups, scene: Scene, deformation: float) -> FastestRat
     coefficients = coefficients_of(groups, scene)
     lag = coefficients.lag_rate
     found = [FastestRate("the lag of the fluid (deborah)", lag, lag)]
-    for motion, phase in ((STUCK, "resting"), (FORWARD, "sliding")):
-        if motion == STUCK or not scene.anchored:
-            frequency, damping = rates(coefficients, motion, deformation)
+    for mode, phase in ((STUCK, "resting"), (FORWARD, "sliding")):
+        if mode == STUCK or not scene.anchored:
+            frequency, damping = rates(coefficients, mode, deformation)
             on = f"over a {phase} foot"
             found.append(FastestRate(f"the damping {on} (damping_ratio, foot_mass_fraction)", damping, damping))
             found.append(FastestRate(f"the spring {on} (duffing, foot_mass_fraction)", frequency, 0.5 * damping))
@@ -176,14 +176,14 @@ def _held_stretch(groups: Groups) -> float:
     return min(z, FARTHEST)
 
 
-def _body_modes(coefficients: Coefficients, motion: int, deformation: float, push: float, jump: float) -> list[Mode]:
+def _body_modes(coefficients: Coefficients, mode: int, deformation: float, push: float, jump: float) -> list[Mode]:
     """Modes of the body about a deformation, the fastest first.
 
     The pressure sets them off by a change of force `push` that takes the time of its lag, and a foot that breaks loose
     by a sudden one, `jump`.
     """
-    mobility = mobility_of(coefficients, motion)
-    frequency, damping = rates(coefficients, motion, deformation)
+    mobility = mobility_of(coefficients, mode)
+    frequency, damping = rates(coefficients, mode, deformation)
     fast, decay, slow = frequency, 0.5 * damping, 0.0
     if decay >= frequency:
         fast = decay + math.sqrt(decay - frequency) * math.sqrt(decay + frequency)

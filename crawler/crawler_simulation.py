@@ -48,7 +48,7 @@ def run_crawler(
     capacity = 64 + 4 * len(schedule)
     while True:
         events = np.empty((capacity, 2))
-        start_changes(workspace, start.motion)
+        start_changes(workspace, start.mode)
         outcome, finished = drive(start, coefficients, schedule, hold / unit, options, samples, events, workspace)
         if outcome.status != LOG_FULL:
             break

@@ -147,7 +147,7 @@ def simulate(
         check_balance(balance, groups_of, scene, tolerance, by.name, "" if single else f"crawler {member}: ")
         scales[member] = balance.scale
         log = np.empty(len(events), EVENT)
-        log["time"], log["motion"], log["crawler"] = events[:, 0], events[:, 1], member
+        log["time"], log["mode"], log["crawler"] = events[:, 0], events[:, 1], member
         logs.append(log)
 
     if not is_chain(scene):
@@ -231,12 +231,12 @@ def _start(initial: State | ChainState, scene: Scene) -> tuple[Body, NDArray[np.
         raise ValueError(
             f"initial foot_velocity must be in [{slowest:g}, {fastest:g}] in {scene}, got {state.foot_velocity!r}"
         )
-    motion = STUCK
+    mode = STUCK
     if state.foot_velocity != 0.0:
-        motion = FORWARD if state.foot_velocity > 0.0 else BACKWARD
+        mode = FORWARD if state.foot_velocity > 0.0 else BACKWARD
     if stretches is None:
         stretches = np.repeat([[state.deformation], [state.velocity]], scene.segments, axis=1)
-    return Body(*state, motion, 0), stretches
+    return Body(*state, mode, 0), stretches
 
 
 def _model(scene: Scene, solvers: list[Solver]) -> str:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["EVENT", "Trajectory"]
 
-EVENT = np.dtype([("time", np.float64), ("motion", np.int8), ("crawler", np.int64)])
+EVENT = np.dtype([("time", np.float64), ("mode", np.int8), ("crawler", np.int64)])
 """One change of the foot's motion: its time, the motion that begins (0 sticks, 1 slides forward, -1 backward), and
 the crawler's place in the batch (0 for one)."""
 

@@ -106,9 +106,9 @@ def plot_trajectory(trajectory: Trajectory) -> Figure:
 def _slides(trajectory: Trajectory) -> Iterator[tuple[float, float]]:
     """Start and end of every spell in which the foot slides."""
     start = 0.0 if trajectory.initial.foot_velocity != 0.0 else None
-    for time, motion, _ in trajectory.events.tolist():
+    for time, mode, _ in trajectory.events.tolist():
         if start is not None:
             yield start, time
-        start = time if motion != 0 else None
+        start = time if mode != 0 else None
     if start is not None:
         yield start, float(trajectory.time[-1])

@@ -204,7 +204,7 @@ class BatchEngine:
             body.deformation,
             body.pressure,
             body.foot,
-            int(body.motion),
+            int(body.mode),
             speed != 0.0,
             int(told.counts[COUNTS.index("valve"), i]),
             speed,

@@ -178,7 +178,7 @@ def _step(
     body[2] = after.pressure
     body[3] = after.foot
     body[4] = after.foot_velocity
-    body[5] = after.motion
+    body[5] = after.mode
     body[6] = after.slips
     observation[0] = after.deformation
     observation[1] = after.velocity

@@ -17,7 +17,7 @@ from ..closed_form.affine_lanes import advance_anchored_lanes
 from ..drive import advance_by_method
 from ..model.equations import pressure_after
 from ..model.state import Body, Coefficients, NOTHING_YET
-from ..motion.events import change_motion, next_event
+from ..motion.events import jump, next_event
 from ..motion.loop import end_of_step, is_near, moment_of
 from ..steps.options import ClosedForm, DIVERGED, FINISHED, is_taylor, method_of, Options, OUT_OF_STEPS
 from ..steps.taylor import state_at, trusted
@@ -219,7 +219,7 @@ def write_body(body: Body, bodies: NDArray[np.float64], i: int) -> None:
     bodies[2, i] = body.pressure
     bodies[3, i] = body.foot
     bodies[4, i] = body.foot_velocity
-    bodies[5, i] = body.motion
+    bodies[5, i] = body.mode
     bodies[6, i] = body.slips
 
 
@@ -368,15 +368,15 @@ def _step_alone(
             lanes[END, 2, lane],
             lanes[END, 3, lane],
             lanes[END, 4, lane],
-            body.motion,
+            body.mode,
             body.slips,
         )
     else:
         longest, end = trusted(opening, body, coefficients, valve, before, options.tolerance, order, series)
         if not longest >= 0.0:
             return DIVERGED
-    length, motion = next_event(body, end, coefficients, valve, order, longest, options.tolerance, 0.0, series)
-    reached, last = end_of_step(body, hold, before, length, motion)
+    length, mode = next_event(body, end, coefficients, valve, order, longest, options.tolerance, 0.0, series)
+    reached, last = end_of_step(body, hold, before, length, mode)
     following = end
     if length < longest:
         pressure = pressure_after(opening, coefficients, valve, reached)
@@ -385,8 +385,8 @@ def _step_alone(
     lanes[SAMPLING, REACHED, lane] = reached
     if not is_near(following):
         return DIVERGED
-    if motion != body.motion:
-        following = change_motion(following, motion, coefficients)
+    if mode != body.mode:
+        following = jump(following, mode, coefficients)
     write_body(following, lanes[STATE], lane)
     lanes[STATE, ELAPSED, lane] = reached
     return FINISHED if last else _UNFINISHED

@@ -69,14 +69,14 @@ def _step(order: int, rows: Any, tolerance: Any, hold: Any, count: Any) -> tuple
     end = moved(body, coefficients, z, v, pressure, length)
     quiet = is_quiet(body, coefficients, series[FORCE][0], reach)
     finite = abs(series[V][order + 1]) < float("inf")
-    sound = is_sound(coefficients, body.motion, z, v, pressure, expected, tolerance)
+    sound = is_sound(coefficients, body.mode, z, v, pressure, expected, tolerance)
     sure = finite & sound
     calm = sure & (coefficients.anchored | quiet) & is_near(end)
 
     last = length >= remaining
     reached = where(last, hold, elapsed + length)
     state = [where(calm, after, before) for after, before in zip(end[:MOTION], body[:MOTION], strict=True)]
-    state += [body.motion, body.slips, where(calm, reached, elapsed)]
+    state += [body.mode, body.slips, where(calm, reached, elapsed)]
     done = rows[SAMPLING][DONE]
     reached = where(calm, reached, -1.0)
     due = moment_of(done, count, hold) <= reached

@@ -14,7 +14,7 @@ from ...compiling.roots import first_downcrossing
 from ..model.equations import acceleration_at_no_force, force, moved, retardation
 from ..model.groups import Groups
 from ..model.state import BACKWARD, Body, Coefficients, FORWARD, Ledger, STUCK
-from ..motion.events import breaks_loose, change_motion, comes_to_rest, foot_speed, motion_after_rest, turning_speed
+from ..motion.events import breaks_loose, comes_to_rest, foot_speed, jump, mode_after_rest, turning_speed
 from ..motion.loop import is_near, moment_of, record, sampled_by
 from ..motion.tangent import carry_linear, saltate
 from ..steps.options import AFRESH, DIVERGED, FINISHED, Leg, LOG_FULL, Options, OUT_OF_STEPS, Outcome, PAUSED, Taylor20
@@ -90,10 +90,10 @@ def advance_linear(
     while True:
         if leg is not None and spent >= leg.steps:
             return Outcome(PAUSED, elapsed, spent, logged, body, ledger, AFRESH)
-        rates = rates_of(coefficients, body.motion)
+        rates = rates_of(coefficients, body.mode)
         deviating = deviation(body, coefficients, valve, rates)
         length = close - elapsed
-        resting = body.motion == STUCK
+        resting = body.mode == STUCK
         # A hold's last sample is its end.
         ends_sampled = close == hold and count > 0
         if elapsed == 0.0 and ends_sampled:
@@ -101,13 +101,13 @@ def advance_linear(
         else:
             whole = propagator(rates, length)
         budget = options.max_steps - spent
-        moment, motion, looks = _next_event(
+        moment, mode, looks = _next_event(
             body, deviating, coefficients, valve, rates, length, whole, options.tolerance, budget
         )
         spent += looks + 1
         if spent >= options.max_steps:
             return Outcome(OUT_OF_STEPS, elapsed, options.max_steps, logged, body, ledger, AFRESH)
-        last = motion == body.motion
+        last = mode == body.mode
         reached = close if last else elapsed + moment
         following = body
         while done < count:
@@ -136,15 +136,15 @@ def advance_linear(
             over = whole if last else propagator(rates, moment)
             carry_linear(body, coefficients, over, moment, workspace)
         elapsed = reached
-        if motion != body.motion:
+        if mode != body.mode:
             if options.tangents:
-                saltate(following, motion, coefficients, valve, start + elapsed, workspace)
-            following = change_motion(following, motion, coefficients)
+                saltate(following, mode, coefficients, valve, start + elapsed, workspace)
+            following = jump(following, mode, coefficients)
             if options.log:
                 if logged == events.shape[0]:
                     return Outcome(LOG_FULL, elapsed, spent, logged, body, ledger, AFRESH)
                 events[logged, 0] = start + elapsed
-                events[logged, 1] = motion
+                events[logged, 1] = mode
                 logged += 1
         body = following
         if last:
@@ -175,19 +175,19 @@ def _next_event(
 ) -> tuple[float, int, int]:
     """Where the smooth motion ends, at most at `length`, the motion that follows, and the evaluations spent."""
     if coefficients.anchored:
-        return length, body.motion, 0
+        return length, body.mode, 0
     modes = modes_of(start, rates)
-    if body.motion == STUCK:
+    if body.mode == STUCK:
         grip = _grip(FORWARD, coefficients, rates)
         moment, spent = first_fall(grip, start, rates, modes, 0.0, length, whole, budget)
-        motion = FORWARD
+        mode = FORWARD
         if not coefficients.ratchet and spent < budget:
             grip = _grip(BACKWARD, coefficients, rates)
             backward, looks = first_fall(grip, start, rates, modes, 0.0, length, whole, budget - spent)
             spent += looks
             if backward < moment:
-                moment, motion = backward, BACKWARD
-        return (moment, motion, spent) if moment <= length else (length, STUCK, spent)
+                moment, mode = backward, BACKWARD
+        return (moment, mode, spent) if moment <= length else (length, STUCK, spent)
 
     beyond = turning_speed(body, coefficients, tolerance)
     moment, spent = _standstill(body, start, coefficients, valve, rates, modes, length, whole, beyond, budget)
@@ -198,10 +198,10 @@ def _next_event(
         moment, over = length, whole
     following = _carried(body, start, coefficients, valve, over, moment)
     z, v = following.deformation, following.velocity
-    if rests or comes_to_rest(body.motion, coefficients, z, v, following.pressure, following.foot_velocity):
+    if rests or comes_to_rest(body.mode, coefficients, z, v, following.pressure, following.foot_velocity):
         pull = force(coefficients, z, v, following.pressure)
-        return moment, motion_after_rest(body.motion, coefficients, pull), spent
-    return length, body.motion, spent
+        return moment, mode_after_rest(body.mode, coefficients, pull), spent
+    return length, body.mode, spent
 
 
 @compiled
@@ -228,7 +228,7 @@ def _standstill(
     budget: int,
 ) -> tuple[float, int]:
     """When the sliding foot's speed, by momentum, and `beyond` more falls through zero; inf if not by `length`."""
-    payload, direction = coefficients.payload_fraction, body.motion
+    payload, direction = coefficients.payload_fraction, body.mode
     margin = EventFunction(
         direction * (body.foot_velocity + payload * body.velocity) + beyond,
         -direction * retardation(coefficients, direction),

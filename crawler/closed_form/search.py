@@ -95,7 +95,7 @@ def deviation(body: Body, coefficients: Coefficients, valve: float, rates: Rates
     """State of `body` relative to its place of rest under the present valve and motion."""
     gap = _faded(body.pressure - valve)
     v = _faded(body.velocity)
-    rest = valve + acceleration_at_no_force(coefficients, body.motion) / rates.mobility
+    rest = valve + acceleration_at_no_force(coefficients, body.mode) / rates.mobility
     z = _faded(body.deformation - rest)
     acceleration = rates.mobility * (gap - z - rates.damping * v)
     size = rates.mobility * (body.pressure + abs(body.deformation) + abs(z) + rates.damping * abs(v))

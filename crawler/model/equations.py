@@ -44,17 +44,15 @@ def pressure_after(body: Body, coefficients: Coefficients, valve: float, t: floa
 
 
 @formula
-def mobility_of(coefficients: Coefficients, motion: int) -> float:
+def mobility_of(coefficients: Coefficients, mode: int) -> float:
     """Rate v' per force: 1 / (1 - r) while the foot sticks, 1 / (r (1 - r)) while it slides."""
-    return 1.0 / (coefficients.payload_fraction * where(motion == STUCK, 1.0, coefficients.foot_fraction))
+    return 1.0 / (coefficients.payload_fraction * where(mode == STUCK, 1.0, coefficients.foot_fraction))
 
 
 @formula
-def acceleration_at_no_force(coefficients: Coefficients, motion: int) -> float:
+def acceleration_at_no_force(coefficients: Coefficients, mode: int) -> float:
     """Rate v' of a body without force: its payload runs downhill while the foot sticks; drag tells while it slides."""
-    return where(
-        motion == STUCK, -coefficients.slope, motion * coefficients.kinetic_friction / coefficients.foot_fraction
-    )
+    return where(mode == STUCK, -coefficients.slope, mode * coefficients.kinetic_friction / coefficients.foot_fraction)
 
 
 @formula
@@ -64,27 +62,27 @@ def is_free(coefficients: Coefficients) -> bool:
 
 
 @formula
-def retardation(coefficients: Coefficients, motion: int) -> float:
+def retardation(coefficients: Coefficients, mode: int) -> float:
     """Rate at which friction and slope take momentum from a crawler whose foot slides."""
-    return motion * coefficients.kinetic_friction + coefficients.slope
+    return mode * coefficients.kinetic_friction + coefficients.slope
 
 
 @formula
 def foot_velocity_at(body: Body, coefficients: Coefficients, velocity: float, t: float) -> float:
     """Velocity of the sliding foot a time `t` into the step, when the body stretches at the rate `velocity`."""
     gained = coefficients.payload_fraction * (body.velocity - velocity)
-    return body.foot_velocity + gained - retardation(coefficients, body.motion) * t
+    return body.foot_velocity + gained - retardation(coefficients, body.mode) * t
 
 
 @formula
 def moved(body: Body, coefficients: Coefficients, z: float, v: float, pressure: float, t: float) -> Body:
     """State a time `t` into a smooth motion that has brought the body to `z` and `v`; the foot by momentum."""
-    sliding = body.motion != STUCK
+    sliding = body.mode != STUCK
     payload = coefficients.payload_fraction
     momentum = body.foot_velocity + payload * body.velocity
-    way = (momentum - 0.5 * retardation(coefficients, body.motion) * t) * t - payload * (z - body.deformation)
+    way = (momentum - 0.5 * retardation(coefficients, body.mode) * t) * t - payload * (z - body.deformation)
     foot = where(sliding, body.foot + way, body.foot)
     # At a stop rounding can leave it a hair beyond zero. A free foot may have begun to turn round.
-    speed = body.motion * foot_velocity_at(body, coefficients, v, t)
-    foot_velocity = where(sliding & ((speed > 0.0) | is_free(coefficients)), body.motion * speed, 0.0)
-    return Body(z, v, pressure, foot, foot_velocity, body.motion, body.slips)
+    speed = body.mode * foot_velocity_at(body, coefficients, v, t)
+    foot_velocity = where(sliding & ((speed > 0.0) | is_free(coefficients)), body.mode * speed, 0.0)
+    return Body(z, v, pressure, foot, foot_velocity, body.mode, body.slips)

@@ -57,7 +57,7 @@ class Body(NamedTuple):
     pressure: float
     foot: float
     foot_velocity: float
-    motion: int  # STUCK, FORWARD or BACKWARD
+    mode: int  # STUCK, FORWARD or BACKWARD
     slips: int  # transitions into sliding so far
 
 

@@ -38,7 +38,7 @@ from ..steps.options import (
 from ..steps.taylor import ROUNDING, SHORTENINGS, TRUST
 from ..steps.workspace import FORCE, SCRATCH, V, Z
 from .chain_energy import account_chain
-from .events import breaking_loose, change_motion, comes_to_rest, motion_after_rest, started, turning_speed
+from .events import breaking_loose, comes_to_rest, jump, mode_after_rest, started, turning_speed
 from .loop import end_of_step, is_near, moment_of, record, sampled_by
 from .progress import keep, opening_of, outcome_of, run_through, steps_of_a_call, stretch_at, stretch_of
 
@@ -195,13 +195,13 @@ def _advance_chain(
     allowed = min(budget, leg.steps)
     for steps in range(1, allowed + 1):
         expand_chain(stretches, body, chain, valve, options.order, series)
-        length = longest_step(chain, body.motion, options.order, options.tolerance, series)
+        length = longest_step(chain, body.mode, options.order, options.tolerance, series)
         if not length > 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, AFRESH)
         length = _trusted_length(body, chain, valve, options, min(length, close - elapsed), series)
-        length, motion = _next_event(body, chain, valve, options.order, length, options.tolerance, series)
+        length, mode = _next_event(body, chain, valve, options.order, length, options.tolerance, series)
 
-        reached, last = end_of_step(body, close, elapsed, length, motion)
+        reached, last = end_of_step(body, close, elapsed, length, mode)
         while done < count:
             moment = moment_of(done, count, hold)
             if moment > reached:
@@ -226,14 +226,14 @@ def _advance_chain(
         if options.energy:
             ledger = account_chain(ledger, body, following, chain.coefficients, options.order, length, series)
         elapsed = reached
-        if motion != body.motion:
+        if mode != body.mode:
             if options.log:
                 if logged == events.shape[0]:
                     return Outcome(LOG_FULL, elapsed, steps, logged, body, ledger, AFRESH)
                 events[logged, 0] = start + elapsed
-                events[logged, 1] = motion
+                events[logged, 1] = mode
                 logged += 1
-            following = change_motion(following, motion, chain.coefficients)
+            following = jump(following, mode, chain.coefficients)
         body = following
         if last:
             return Outcome(FINISHED, close, steps, logged, body, ledger, AFRESH)
@@ -254,7 +254,7 @@ def _state_at(
     for j in range(segments):
         z += series.ahead[0, j]
         v += series.ahead[1, j]
-    return Body(z / segments, v / segments, pressure, foot, foot_velocity, body.motion, body.slips)
+    return Body(z / segments, v / segments, pressure, foot, foot_velocity, body.mode, body.slips)
 
 
 @compiled
@@ -277,7 +277,7 @@ def _trusted_length(
             v = series.ahead[1, j]
             defect = abs(force(coefficients, z, v, pressure) - series.pulls[j])
             rounding = ROUNDING * force_terms(coefficients, z, v)
-            mobility = segment_mobility(chain, body.motion, j)
+            mobility = segment_mobility(chain, body.mode, j)
             if mobility * (defect - rounding) > TRUST * options.tolerance:
                 worst = max(worst, mobility * defect)
         if worst == 0.0:
@@ -297,20 +297,20 @@ def _next_event(
     """
     coefficients = chain.coefficients
     if coefficients.anchored:
-        return length, body.motion
+        return length, body.mode
     rear = series.rear
-    if body.motion == STUCK:
+    if body.mode == STUCK:
         return breaking_loose(body, coefficients, valve, order, length, 0.0, rear)
     speed = rear[SCRATCH]
     for n in range(order + 1):
-        speed[n] = body.motion * series.foot_velocity[n]
+        speed[n] = body.mode * series.foot_velocity[n]
     speed[0] += turning_speed(body, coefficients, tolerance)
     moment = sharp_descent(speed, started(speed, body, coefficients, order, rear), length)
     if moment > length:
         _, velocity = foot_at(body, coefficients, order, length, series)
         z, v = horner(rear[Z], order + 1, length), horner(rear[V], order + 1, length)
         pressure = pressure_after(body, coefficients, valve, length)
-        if not comes_to_rest(body.motion, coefficients, z, v, pressure, velocity):
-            return length, body.motion
+        if not comes_to_rest(body.mode, coefficients, z, v, pressure, velocity):
+            return length, body.mode
         moment = length
-    return moment, motion_after_rest(body.motion, coefficients, horner(rear[FORCE], order, moment))
+    return moment, mode_after_rest(body.mode, coefficients, horner(rear[FORCE], order, moment))

@@ -14,11 +14,11 @@ from ..steps.workspace import END_V, FIRST, FLATTEST, FORCE, HIGHEST, LENGTH, LO
 __all__ = [
     "breaking_loose",
     "breaks_loose",
-    "change_motion",
     "comes_to_rest",
     "foot_speed",
     "is_quiet",
-    "motion_after_rest",
+    "jump",
+    "mode_after_rest",
     "next_event",
     "started",
     "turning_speed",
@@ -49,17 +49,17 @@ def next_event(
     `tolerance` as for `turning_speed`, `doubt` as for `breaking_loose`.
     """
     if coefficients.anchored | is_quiet(body, coefficients, series[FORCE, 0], series[STEP]):
-        return length, body.motion
-    if body.motion == STUCK:
+        return length, body.mode
+    if body.mode == STUCK:
         return breaking_loose(body, coefficients, valve, order, length, doubt, series)
     degree = foot_speed(body, coefficients, order, turning_speed(body, coefficients, tolerance), series)
     moment = sharp_descent(series[SCRATCH], degree, length)
     if moment > length:
         z, v = ahead.deformation, ahead.velocity
-        if not comes_to_rest(body.motion, coefficients, z, v, ahead.pressure, ahead.foot_velocity):
-            return length, body.motion
+        if not comes_to_rest(body.mode, coefficients, z, v, ahead.pressure, ahead.foot_velocity):
+            return length, body.mode
         moment = length
-    return moment, motion_after_rest(body.motion, coefficients, horner(series[FORCE], order, moment))
+    return moment, mode_after_rest(body.mode, coefficients, horner(series[FORCE], order, moment))
 
 
 @formula
@@ -73,16 +73,16 @@ def is_quiet(body: Body, coefficients: Coefficients, pull: float, reach: Any) ->
     rises, falls = reach[STEEPEST] >= 0.0, reach[FLATTEST] <= 0.0
     change = lowest + highest
 
-    speed = body.motion * body.foot_velocity
+    speed = body.mode * body.foot_velocity
     slides = _stays_positive(speed, lowest, change, rises, falls) | ((speed == 0.0) & (first + lowest > 0.0))
     # By momentum, as the state will have it: a stop that rounding alone hides is no quiet end.
-    slides = slides & (body.motion * foot_velocity_at(body, coefficients, reach[END_V], reach[LENGTH]) > 0.0)
+    slides = slides & (body.mode * foot_velocity_at(body, coefficients, reach[END_V], reach[LENGTH]) > 0.0)
 
     weighed = pull + coefficients.foot_fraction * coefficients.slope
     forward = _stays_positive(coefficients.static_friction + weighed, lowest, change, rises, falls)
     backward = _stays_positive(coefficients.static_friction - weighed, -highest, -change, falls, rises)
     rests = forward & (coefficients.ratchet | backward)
-    return ((body.motion == STUCK) & rests) | ((body.motion != STUCK) & slides)
+    return ((body.mode == STUCK) & rests) | ((body.mode != STUCK) & slides)
 
 
 @formula
@@ -107,7 +107,7 @@ def breaking_loose(
     grip that the error alone breaks would hold again at once, and so without end.
     """
     first = np.inf
-    motion = STUCK
+    mode = STUCK
     for direction in (FORWARD, BACKWARD):
         if direction == BACKWARD and coefficients.ratchet:
             continue
@@ -117,32 +117,32 @@ def breaking_loose(
             moment = _polish(moment, direction, body, coefficients, valve, order, length, doubt, series)
         if moment < first:
             first = moment
-            motion = direction
-    return (length, STUCK) if first > length else (first, motion)
+            mode = direction
+    return (length, STUCK) if first > length else (first, mode)
 
 
 @compiled
-def motion_after_rest(motion: int, coefficients: Coefficients, pull: float) -> int:
+def mode_after_rest(mode: int, coefficients: Coefficients, pull: float) -> int:
     """What follows when a foot that slid comes to rest under the force `pull`.
 
     Under too great a push it turns round at once, and without friction any is too great.
     """
-    push = motion * (pull + coefficients.foot_fraction * coefficients.slope)
+    push = mode * (pull + coefficients.foot_fraction * coefficients.slope)
     if not coefficients.ratchet and (push > coefficients.static_friction or coefficients.static_friction == 0.0):
-        return -motion
+        return -mode
     return STUCK
 
 
 @compiled
 def comes_to_rest(
-    motion: int, coefficients: Coefficients, z: float, v: float, pressure: float, foot_velocity: float
+    mode: int, coefficients: Coefficients, z: float, v: float, pressure: float, foot_velocity: float
 ) -> bool:
     """Whether a sliding foot is at rest at the end of a smooth motion in which no fall of its speed was found.
 
     Rounding hides some falls, and a speed that nothing brakes fades to 0 without one. The state is that of the segment
     in front of the foot.
     """
-    return foot_velocity == 0.0 and not is_free(coefficients) and not breaks_loose(motion, coefficients, z, v, pressure)
+    return foot_velocity == 0.0 and not is_free(coefficients) and not breaks_loose(mode, coefficients, z, v, pressure)
 
 
 @compiled
@@ -160,29 +160,29 @@ def turning_speed(body: Body, coefficients: Coefficients, tolerance: float) -> f
 
 
 @compiled
-def breaks_loose(motion: int, coefficients: Coefficients, z: float, v: float, pressure: float) -> bool:
+def breaks_loose(mode: int, coefficients: Coefficients, z: float, v: float, pressure: float) -> bool:
     """Whether a foot without speed is pulled into `motion` at least as hard as static friction holds, but for rounding.
 
     The force has no jumps: this tells a foot that has just broken loose, in the hold before perhaps, from one whose
     speed has come to 0.
     """
-    pull = -motion * (force(coefficients, z, v, pressure) + coefficients.foot_fraction * coefficients.slope)
+    pull = -mode * (force(coefficients, z, v, pressure) + coefficients.foot_fraction * coefficients.slope)
     size = force_terms(coefficients, z, v) + coefficients.static_friction
     return pull >= coefficients.static_friction - _VANISHING * size
 
 
 @compiled
-def change_motion(body: Body, motion: int, coefficients: Coefficients) -> Body:
+def jump(body: Body, mode: int, coefficients: Coefficients) -> Body:
     """The state just after the foot breaks loose or stops.
 
     A foot that turns round without friction has had nothing to break loose from, and that is no slip. It keeps the
     speed that it has.
     """
     slips = body.slips
-    if motion != STUCK and (body.motion == STUCK or coefficients.static_friction > 0.0):
+    if mode != STUCK and (body.mode == STUCK or coefficients.static_friction > 0.0):
         slips += 1
     foot_velocity = body.foot_velocity if is_free(coefficients) else 0.0
-    return Body(body.deformation, body.velocity, body.pressure, body.foot, foot_velocity, motion, slips)
+    return Body(body.deformation, body.velocity, body.pressure, body.foot, foot_velocity, mode, slips)
 
 
 @compiled
@@ -198,7 +198,7 @@ def _grip(direction: int, coefficients: Coefficients, order: int, doubt: float, 
 def foot_speed(body: Body, coefficients: Coefficients, order: int, beyond: float, series: NDArray[np.float64]) -> int:
     """Write the sliding foot's speed, from the momentum, and `beyond` more; return its degree."""
     speed = series[SCRATCH]
-    direction = body.motion
+    direction = body.mode
     speed[0] = direction * body.foot_velocity + beyond
     for n in range(1, order + 1):
         speed[n] = -direction * coefficients.payload_fraction * series[V, n]
@@ -218,7 +218,7 @@ def started(
         return degree
     for n in range(degree):
         speed[n] = speed[n + 1]
-    if breaks_loose(body.motion, coefficients, series[Z, 0], series[V, 0], body.pressure):
+    if breaks_loose(body.mode, coefficients, series[Z, 0], series[V, 0], body.pressure):
         surplus = (coefficients.static_friction - coefficients.kinetic_friction) / coefficients.foot_fraction
         speed[0] = max(speed[0], surplus)
     return degree - 1

@@ -31,7 +31,7 @@ from ..steps.options import (
 from ..steps.radau import radau_step, refine_event_step
 from ..steps.taylor import state_at, taylor_step
 from .energy import account
-from .events import change_motion, next_event
+from .events import jump, next_event
 from .tangent import carry, saltate
 
 __all__ = ["FARTHEST", "advance", "end_of_step", "is_near", "moment_of", "record", "sampled_by"]
@@ -135,15 +135,15 @@ def advance(
         )
         if not longest >= 0.0:
             return Outcome(DIVERGED, elapsed, steps, logged, body, ledger, pace)
-        length, motion = next_event(
+        length, mode = next_event(
             body, ahead, coefficients, valve, options.order, longest, options.tolerance, pace.doubt, workspace
         )
-        if motion != body.motion:
+        if mode != body.mode:
             pace = refine_event_step(body, coefficients, options.tolerance, pace, length)
             if pace.length > 0.0:
                 continue
 
-        reached, last = end_of_step(body, close, elapsed, length, motion)
+        reached, last = end_of_step(body, close, elapsed, length, mode)
         count = samples.shape[1]
         while done < count:
             moment = moment_of(done, count, hold)
@@ -165,15 +165,15 @@ def advance(
         if options.tangents:
             carry(body, coefficients, options.order, length, workspace)
         elapsed = reached
-        if motion != body.motion:
+        if mode != body.mode:
             if options.tangents:
-                saltate(following, motion, coefficients, valve, start + elapsed, workspace)
-            following = change_motion(following, motion, coefficients)
+                saltate(following, mode, coefficients, valve, start + elapsed, workspace)
+            following = jump(following, mode, coefficients)
             if options.log:
                 if logged == events.shape[0]:
                     return Outcome(LOG_FULL, elapsed, steps, logged, body, ledger, pace)
                 events[logged, 0] = start + elapsed
-                events[logged, 1] = motion
+                events[logged, 1] = mode
                 logged += 1
         body = following
         if last:
@@ -183,12 +183,12 @@ def advance(
 
 
 @compiled
-def end_of_step(body: Body, close: float, elapsed: float, length: float, motion: int) -> tuple[float, bool]:
+def end_of_step(body: Body, close: float, elapsed: float, length: float, mode: int) -> tuple[float, bool]:
     """Time into the hold that a step of `length` reaches, and whether that is `close`, up to which the valve is kept.
 
     The last step ends on that itself, so that no sample is lost to the rounding of a sum.
     """
-    last = motion == body.motion and length >= close - elapsed
+    last = mode == body.mode and length >= close - elapsed
     return close if last else elapsed + length, last
 
 

@@ -68,7 +68,7 @@ def keep(state: NDArray[np.float64], outcome: Outcome, stretch: int, opening: Bo
 @compiled
 def _write_body(into: NDArray[np.float64], body: Body) -> None:
     _write_four(into, body.deformation, body.velocity, body.pressure, body.foot)
-    into[4], into[5], into[6] = body.foot_velocity, body.motion, body.slips
+    into[4], into[5], into[6] = body.foot_velocity, body.mode, body.slips
 
 
 @compiled

@@ -35,12 +35,12 @@ _APART = math.sqrt(15.0) / 10.0
 _RADIANS, _PIECES = 0.4, 32.0
 
 
-def start_changes(workspace: NDArray[np.float64], motion: int) -> None:
+def start_changes(workspace: NDArray[np.float64], mode: int) -> None:
     """Write the tangents at the start of a run: a foot at rest has no velocity to be changed."""
     changes = workspace[-CHANGES:]
     changes[:] = 0.0
     changes[_DZ, 0] = changes[_DV, 1] = 1.0
-    changes[_DW, 2] = float(motion != STUCK)
+    changes[_DW, 2] = float(mode != STUCK)
 
 
 def condition_of(workspace: NDArray[np.float64], unit: float) -> float:
@@ -67,7 +67,7 @@ def carry(body: Body, coefficients: Coefficients, order: int, length: float, ser
     series : array
         The step's workspace; its tangents are moved in place.
     """
-    mobility = mobility_of(coefficients, body.motion)
+    mobility = mobility_of(coefficients, body.mode)
     damping = mobility * coefficients.damping
     stiffest = 0.0
     for i in range(3):
@@ -82,7 +82,7 @@ def carry(body: Body, coefficients: Coefficients, order: int, length: float, ser
         a, b, c, d = _exponential(first, second, third, damping, span)
         z_z, v_z = a * z_z + b * v_z, c * z_z + d * v_z
         z_v, v_v = a * z_v + b * v_v, c * z_v + d * v_v
-    _carry_by(z_z, z_v, v_z, v_v, body.motion, coefficients, length, series)
+    _carry_by(z_z, z_v, v_z, v_v, body.mode, coefficients, length, series)
 
 
 @compiled
@@ -90,7 +90,7 @@ def carry_linear(
     body: Body, coefficients: Coefficients, over: Propagator, length: float, workspace: NDArray[np.float64]
 ) -> None:
     """Carry the tangents of a linear body by its propagator over the time `length`."""
-    _carry_by(over.z_z, over.z_v, over.v_z, over.v_v, body.motion, coefficients, length, workspace)
+    _carry_by(over.z_z, over.z_v, over.v_z, over.v_v, body.mode, coefficients, length, workspace)
 
 
 @compiled
@@ -151,7 +151,7 @@ def _carry_by(
     z_v: float,
     v_z: float,
     v_v: float,
-    motion: int,
+    mode: int,
     coefficients: Coefficients,
     length: float,
     workspace: NDArray[np.float64],
@@ -163,7 +163,7 @@ def _carry_by(
         moved_z = z_z * z + z_v * v
         moved_v = v_z * z + v_v * v
         tangents[_DZ, i], tangents[_DV, i] = moved_z, moved_v
-        if motion != STUCK:
+        if mode != STUCK:
             w = tangents[_DW, i]
             tangents[_DX, i] += (w + payload * v) * length - payload * (moved_z - z)
             tangents[_DW, i] = w + payload * (v - moved_v)
@@ -171,7 +171,7 @@ def _carry_by(
 
 @compiled
 def saltate(
-    body: Body, motion: int, coefficients: Coefficients, valve: float, time: float, workspace: NDArray[np.float64]
+    body: Body, mode: int, coefficients: Coefficients, valve: float, time: float, workspace: NDArray[np.float64]
 ) -> None:
     """Carry the tangents across an event.
 
@@ -191,35 +191,33 @@ def saltate(
     tangents = workspace[workspace.shape[0] - CHANGES :]
     z, v, p = body.deformation, body.velocity, body.pressure
     pull = force(coefficients, z, v, p)
-    before, after = _acceleration(coefficients, body.motion, pull), _acceleration(coefficients, motion, pull)
+    before, after = _acceleration(coefficients, body.mode, pull), _acceleration(coefficients, mode, pull)
     foot_before, foot_after = (
-        _foot_acceleration(coefficients, body.motion, pull),
-        _foot_acceleration(coefficients, motion, pull),
+        _foot_acceleration(coefficients, body.mode, pull),
+        _foot_acceleration(coefficients, mode, pull),
     )
     by_z = p * coefficients.radial_coupling - 1.0 - 3.0 * coefficients.duffing * z * z
     by_v = -coefficients.damping
     lag = coefficients.lag_rate * (valve - p)
     pull_rate = by_z * v + by_v * before + (1.0 + coefficients.radial_coupling * z) * lag
     # How fast the event function falls: of a grip s plus or less F, of a slip its speed.
-    falling = -motion * pull_rate if body.motion == STUCK else -body.motion * foot_before
+    falling = -mode * pull_rate if body.mode == STUCK else -body.mode * foot_before
     for i in range(_COLUMNS):
-        rise = body.motion * tangents[_DW, i]
-        if body.motion == STUCK:
-            rise = motion * (by_z * tangents[_DZ, i] + by_v * tangents[_DV, i])
+        rise = body.mode * tangents[_DW, i]
+        if body.mode == STUCK:
+            rise = mode * (by_z * tangents[_DZ, i] + by_v * tangents[_DV, i])
         later = rise / falling if falling > 0.0 and time > 0.0 else 0.0
         tangents[_DV, i] += (before - after) * later
-        tangents[_DW, i] = tangents[_DW, i] + (foot_before - foot_after) * later if motion != STUCK else 0.0
+        tangents[_DW, i] = tangents[_DW, i] + (foot_before - foot_after) * later if mode != STUCK else 0.0
 
 
 @compiled
-def _acceleration(coefficients: Coefficients, motion: int, pull: float) -> float:
-    return mobility_of(coefficients, motion) * pull + acceleration_at_no_force(coefficients, motion)
+def _acceleration(coefficients: Coefficients, mode: int, pull: float) -> float:
+    return mobility_of(coefficients, mode) * pull + acceleration_at_no_force(coefficients, mode)
 
 
 @compiled
-def _foot_acceleration(coefficients: Coefficients, motion: int, pull: float) -> float:
-    if motion == STUCK:
+def _foot_acceleration(coefficients: Coefficients, mode: int, pull: float) -> float:
+    if mode == STUCK:
         return 0.0
-    return -coefficients.payload_fraction * _acceleration(coefficients, motion, pull) - retardation(
-        coefficients, motion
-    )
+    return -coefficients.payload_fraction * _acceleration(coefficients, mode, pull) - retardation(coefficients, mode)

@@ -157,7 +157,7 @@ def expand_chain(
         for i in range(n + 1):
             for j in range(segments):
                 force[n, j] += stiffness[i, j] * z[n - i, j]
-        _accelerate(force[n], body.motion, chain, n == 0, series.acceleration)
+        _accelerate(force[n], body.mode, chain, n == 0, series.acceleration)
         series.foot_velocity[n + 1] = series.acceleration[0] * _RECIPROCAL[n + 1]
         scale = segments * _RECIPROCAL[n + 1]
         for j in range(segments):
@@ -173,7 +173,7 @@ def expand_chain(
 
 @compiled
 def _accelerate(
-    force: NDArray[np.float64], motion: int, chain: Chain, leading: bool, acceleration: NDArray[np.float64]
+    force: NDArray[np.float64], mode: int, chain: Chain, leading: bool, acceleration: NDArray[np.float64]
 ) -> None:
     """One order of the nodes' accelerations from that of the forces; weight and drag are constant, of order 0."""
     segments = len(force)
@@ -182,21 +182,21 @@ def _accelerate(
         acceleration[j] = (force[j - 1] - force[j]) * chain.mobility[j] - weight
     acceleration[segments] = force[segments - 1] * chain.mobility[segments] - weight
     acceleration[0] = 0.0
-    if motion != STUCK:
-        drag = motion * chain.coefficients.kinetic_friction if leading else 0.0
+    if mode != STUCK:
+        drag = mode * chain.coefficients.kinetic_friction if leading else 0.0
         acceleration[0] = -(force[0] + drag) * chain.mobility[0] - weight
 
 
 @compiled
-def segment_mobility(chain: Chain, motion: int, j: int) -> float:
+def segment_mobility(chain: Chain, mode: int, j: int) -> float:
     """Rate D_j'' per force of segment j alone, from N at its rear and front ends."""
     segments = len(chain.mobility) - 1
-    rear = 0.0 if j == 0 and motion == STUCK else chain.mobility[j]
+    rear = 0.0 if j == 0 and mode == STUCK else chain.mobility[j]
     return segments * (rear + chain.mobility[j + 1])
 
 
 @compiled
-def longest_step(chain: Chain, motion: int, order: int, tolerance: float, series: ChainSeries) -> float:
+def longest_step(chain: Chain, mode: int, order: int, tolerance: float, series: ChainSeries) -> float:
     """Longest step on which the last two terms of every D'' stay below `tolerance`, and no faint motion grows.
 
     A uniform stretch is then followed as well as the crawler's, and every force to the same accuracy.
@@ -204,7 +204,7 @@ def longest_step(chain: Chain, motion: int, order: int, tolerance: float, series
     segments = len(chain.mobility) - 1
     mobility = 0.0
     for j in range(segments):
-        mobility = max(mobility, segment_mobility(chain, motion, j))
+        mobility = max(mobility, segment_mobility(chain, mode, j))
     # Gershgorin: D'' + B (2 Pi2 D' + D) = 0 with no eigenvalue of B beyond twice its diagonal. Those beyond 1 / Pi2^2
     # are overdamped.
     stiffest = 2.0 * mobility
@@ -257,13 +257,13 @@ def foot_at(body: Body, coefficients: Coefficients, order: int, t: float, series
     Coefficient by coefficient that is what the total momentum has left after the segments' share, without the
     cancellation of a sum over all of them.
     """
-    if body.motion == STUCK:
+    if body.mode == STUCK:
         return body.foot, 0.0
     way = 0.0
     for n in range(order, -1, -1):
         way = way * t + series.foot_velocity[n] * _RECIPROCAL[n + 1]
     velocity = horner(series.foot_velocity, order + 1, t)
     # At a stop rounding can leave it a hair beyond zero. A free foot may have begun to turn round.
-    if body.motion * velocity < 0.0 and not is_free(coefficients):
+    if body.mode * velocity < 0.0 and not is_free(coefficients):
         velocity = 0.0
     return body.foot + way * t, velocity

@@ -61,9 +61,9 @@ ENTRIES = len(Propagator._fields)
 
 
 @compiled
-def rates_of(coefficients: Coefficients, motion: int) -> Rates:
+def rates_of(coefficients: Coefficients, mode: int) -> Rates:
     """Rates of decay of a linear body whose foot is in the given motion."""
-    mobility = mobility_of(coefficients, motion)
+    mobility = mobility_of(coefficients, mode)
     mean = 0.5 * mobility * coefficients.damping
     frequency = math.sqrt(mobility)
     oscillates = mean < frequency

@@ -158,7 +158,7 @@ def collocate(
         expand(body, coefficients, valve, Taylor12(), tolerance, remaining, series)
         short = _taylor_length(body, coefficients, valve, stages, tolerance, series)
         # The first instants of a slip, or of a grip on its threshold, decide which motion this is.
-        nearness = _NEAR * tolerance if body.motion == STUCK else 0.0
+        nearness = _NEAR * tolerance if body.mode == STUCK else 0.0
         undecided = not coefficients.anchored and _clearance(body, coefficients) <= nearness
         if undecided or remaining <= short:
             short = min(short, remaining)
@@ -261,7 +261,7 @@ def _clearance(body: Body, coefficients: Coefficients) -> float:
 
     A free foot that slides goes on alike whether it turns round or not.
     """
-    if body.motion == STUCK:
+    if body.mode == STUCK:
         return _grip(coefficients, force(coefficients, body.deformation, body.velocity, body.pressure))
     if is_free(coefficients):
         return np.inf
@@ -282,7 +282,7 @@ def _widest(
     """The largest clearance in the step that has been solved."""
     widest = _clearance(body, coefficients)
     for i in range(1, stages + 1):
-        if body.motion == STUCK:
+        if body.mode == STUCK:
             clearance = _grip(coefficients, series[STAGE_F, i])
         else:
             speed = foot_velocity_at(body, coefficients, series[STAGE_V, i], _NODES[method, i] * length)
@@ -299,7 +299,7 @@ def _growth_rate(body: Body, coefficients: Coefficients, valve: float) -> float:
     stiffness = 1.0 + 3.0 * coefficients.duffing * z * z - coefficients.radial_coupling * pressure
     if stiffness >= 0.0:
         return 0.0
-    mobility = mobility_of(coefficients, body.motion)
+    mobility = mobility_of(coefficients, body.mode)
     damping = mobility * coefficients.damping
     stiffness *= mobility
     # The positive root of x^2 + D x + K, free of cancellation.
@@ -315,7 +315,7 @@ def _taylor_length(
     It alone has the exact slopes of force and speed at its start. However faint the motion, the last terms are small
     beside the others, so that the series does not make up an event.
     """
-    mobility = mobility_of(coefficients, body.motion)
+    mobility = mobility_of(coefficients, body.mode)
     pull = series[FORCE]
     length = _LONGEST_START
     for n in range(stages, stages + 2):
@@ -356,7 +356,7 @@ def _first_length(
     A term that the body's fastest mode would have with an amplitude below the tolerance says nothing of the motion:
     that mode may be left to decay unresolved.
     """
-    mobility = mobility_of(coefficients, body.motion)
+    mobility = mobility_of(coefficients, body.mode)
     z = body.deformation
     damping = mobility * coefficients.damping
     pressure = max(body.pressure, valve)
@@ -398,8 +398,8 @@ def _solve(
     """Solve a step's equations into the stage rows; return the size of the force's terms, 0 without convergence."""
     z, v, p, a, pull = series[STAGE_Z], series[STAGE_V], series[STAGE_P], series[STAGE_A], series[STAGE_F]
     left_over, correction = series[CORRECTION], series[SCRATCH]
-    mobility = mobility_of(coefficients, body.motion)
-    constant = acceleration_at_no_force(coefficients, body.motion)
+    mobility = mobility_of(coefficients, body.mode)
+    constant = acceleration_at_no_force(coefficients, body.mode)
     damping = length * mobility * coefficients.damping
 
     z[0], v[0], p[0] = body.deformation, body.velocity, body.pressure
@@ -490,7 +490,7 @@ def _error(
     """
     z, v, a, pull = series[STAGE_Z], series[STAGE_V], series[STAGE_A], series[STAGE_F]
     rounding = ROUNDING * size
-    mobility = mobility_of(coefficients, body.motion)
+    mobility = mobility_of(coefficients, body.mode)
     rate_gap = -v[0]
     gap = -a[0]
     spread = 1.0

@@ -74,7 +74,7 @@ def step_inputs(
     body: Body, coefficients: Coefficients, valve: float, tolerance: float, remaining: float
 ) -> tuple[float, ...]:
     """What a step's recurrence begins with."""
-    stuck = body.motion == STUCK
+    stuck = body.mode == STUCK
     return (
         body.deformation,
         body.velocity,
@@ -84,14 +84,14 @@ def step_inputs(
         coefficients.radial_coupling,
         coefficients.duffing,
         coefficients.damping,
-        mobility_of(coefficients, body.motion),
-        acceleration_at_no_force(coefficients, body.motion),
+        mobility_of(coefficients, body.mode),
+        acceleration_at_no_force(coefficients, body.mode),
         tolerance,
         remaining,
         # The event function: the force while the foot sticks, its speed in the direction of motion while it slides.
         where(stuck, 1.0, 0.0),
-        body.motion * -coefficients.payload_fraction,
-        where(stuck, 0.0, body.motion * -retardation(coefficients, body.motion)),
+        body.mode * -coefficients.payload_fraction,
+        where(stuck, 0.0, body.mode * -retardation(coefficients, body.mode)),
     )
 
 
@@ -188,9 +188,9 @@ def trusted(
         return np.nan, body
     pressure = pressure_after(opening, coefficients, valve, elapsed + length)
     for _ in range(SHORTENINGS):
-        if is_sound(coefficients, body.motion, z, v, pressure, expected, tolerance):
+        if is_sound(coefficients, body.mode, z, v, pressure, expected, tolerance):
             break
-        defect = mobility_of(coefficients, body.motion) * abs(force(coefficients, z, v, pressure) - expected)
+        defect = mobility_of(coefficients, body.mode) * abs(force(coefficients, z, v, pressure) - expected)
         shrink = math.exp(math.log(tolerance / defect) / (order + 1))
         length *= max(0.25, min(0.9, shrink))
         z = horner(series[Z], order + 1, length)
@@ -202,11 +202,11 @@ def trusted(
 
 @formula
 def is_sound(
-    coefficients: Coefficients, motion: int, z: float, v: float, pressure: float, expected: float, tolerance: float
+    coefficients: Coefficients, mode: int, z: float, v: float, pressure: float, expected: float, tolerance: float
 ) -> bool | np.bool_:
     """Whether the force at a step's end is the `expected` one of the series but for the tolerance, and rounding."""
     defect = abs(force(coefficients, z, v, pressure) - expected) - ROUNDING * force_terms(coefficients, z, v)
-    return mobility_of(coefficients, motion) * defect <= TRUST * tolerance
+    return mobility_of(coefficients, mode) * defect <= TRUST * tolerance
 
 
 @compiled

@@ -32,7 +32,7 @@ def assert_same_motion(coarse, fine, every, atol):
         np.testing.assert_allclose(ours, theirs, rtol=0, atol=atol, err_msg=name)
     for name in ENERGIES:
         assert getattr(coarse, name) == pytest.approx(getattr(fine, name), abs=10 * atol)
-    np.testing.assert_array_equal(coarse.events["motion"], fine.events["motion"])
+    np.testing.assert_array_equal(coarse.events["mode"], fine.events["mode"])
     np.testing.assert_allclose(coarse.events["time"], fine.events["time"], rtol=0, atol=10 * atol)
 
 

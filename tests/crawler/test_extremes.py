@@ -38,7 +38,7 @@ def test_an_extreme_crawler_moves_as_the_judge_says(name, solver, tolerance):
     row, exact = ROWS[name], REFERENCE[name]
     done = run(row.groups, row.schedule, row.hold, tolerance=tolerance, solver=solver, **row.options)
     assert done.slips == exact["slips"]
-    assert done.events["motion"].tolist() == [motion for _, motion in exact["events"]]
+    assert done.events["mode"].tolist() == [motion for _, motion in exact["events"]]
     allowed = 10.0 * tolerance
     moments = [float(time) for time, _ in exact["events"]]
     np.testing.assert_allclose(done.events["time"], moments, rtol=0, atol=allowed)
@@ -208,7 +208,7 @@ def test_an_extreme_crawler_in_a_batch_changes_no_other(extreme, place):
         for name in (*SAMPLED, "slips", "work", "stored", "viscous_loss", "friction_loss"):
             np.testing.assert_array_equal(getattr(batch, name)[member], getattr(alone, name))
         mine = batch.events[batch.events["crawler"] == member]
-        np.testing.assert_array_equal(mine[["time", "motion"]], alone.events[["time", "motion"]])
+        np.testing.assert_array_equal(mine[["time", "mode"]], alone.events[["time", "mode"]])
 
 
 # The whole box

@@ -74,7 +74,7 @@ def test_batch_rows_are_single_runs(members):
             assert getattr(batch, name)[row] == getattr(alone, name)
         own = batch.events[batch.events["crawler"] == row]
         np.testing.assert_array_equal(own["time"], alone.events["time"])
-        np.testing.assert_array_equal(own["motion"], alone.events["motion"])
+        np.testing.assert_array_equal(own["mode"], alone.events["mode"])
 
 
 def test_one_crawler_takes_many_schedules_and_many_crawlers_one():

@@ -168,9 +168,9 @@ def test_a_simulation_with_more_events_than_any_first_guess():
     )
     done = simulate(groups, [1], 400.0, scene=Scene(ratchet=False), initial=State(deformation=5.0))
     assert len(done.events) > 200
-    assert done.slips == np.count_nonzero(done.events["motion"])
+    assert done.slips == np.count_nonzero(done.events["mode"])
     pieces = simulate(groups, [1] * 400, 1.0, scene=Scene(ratchet=False), initial=State(deformation=5.0))
-    np.testing.assert_array_equal(pieces.events["motion"], done.events["motion"])
+    np.testing.assert_array_equal(pieces.events["mode"], done.events["mode"])
 
 
 def refusal(groups, valve, hold, **options):

@@ -65,7 +65,7 @@ def _check_clock_and_pressure(done, groups, valve, hold, samples_per_hold, press
 
 
 def _check_events(done, groups, scene, start, tolerance):
-    moments, motions = done.events["time"], done.events["motion"]
+    moments, motions = done.events["time"], done.events["mode"]
     assert (np.diff(moments) >= 0.0).all()
     assert (np.abs(np.diff(motions)) > 0).all(), "an event changes the motion"
     before = np.concatenate([[np.sign(start.foot_velocity)], motions])[:-1]
@@ -97,7 +97,7 @@ def assert_agrees(done: Trajectory, verdict, *, atol: float, free: bool = False)
         np.testing.assert_allclose(getattr(done, name), getattr(verdict, name), rtol=0, atol=atol, err_msg=name)
     if free:
         return
-    assert done.events["motion"].tolist() == [motion for _, motion in verdict.events]
+    assert done.events["mode"].tolist() == [motion for _, motion in verdict.events]
     moments = np.array([float(time) for time, _ in verdict.events])
     np.testing.assert_allclose(done.events["time"], moments, rtol=0, atol=atol)
 

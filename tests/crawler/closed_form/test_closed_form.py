@@ -136,7 +136,7 @@ def test_agrees_with_taylor(seed):
     scale = 1.0 + np.abs(other.foot).max() + np.abs(other.foot_velocity).max()
     for name in ("deformation", "velocity", "pressure", "foot", "foot_velocity"):
         np.testing.assert_allclose(getattr(done, name), getattr(other, name), rtol=0, atol=1e-11 * scale, err_msg=name)
-    assert done.events["motion"].tolist() == other.events["motion"].tolist()
+    assert done.events["mode"].tolist() == other.events["mode"].tolist()
     np.testing.assert_allclose(done.events["time"], other.events["time"], rtol=0, atol=1e-11 * scale)
     assert done.slips == other.slips
     for name in ("work", "viscous_loss", "friction_loss"):
@@ -265,7 +265,7 @@ def test_two_events_very_close_together(apart):
     assert rise > 0.1
     close = replace(groups, static_friction=force + rise * apart)
     done = run(close, [1], 3.0, scene=SYMMETRIC, initial=initial)
-    assert done.events["motion"].tolist()[:2] == [0, -1]
+    assert done.events["mode"].tolist()[:2] == [0, -1]
     assert np.diff(done.events["time"])[0] == pytest.approx(apart, rel=1e-3, abs=2e-15 / rise)
 
 

@@ -235,7 +235,7 @@ def test_a_trajectory_in_si_is_scaled_throughout():
     for name, factor in factors.items():
         np.testing.assert_allclose(getattr(si, name), getattr(natural, name) * factor, rtol=1e-14, err_msg=name)
     np.testing.assert_allclose(si.events["time"], natural.events["time"] * time, rtol=1e-15)
-    np.testing.assert_array_equal(si.events["motion"], natural.events["motion"])
+    np.testing.assert_array_equal(si.events["mode"], natural.events["mode"])
     assert si.slips == natural.slips
     assert si.actuator is actuator
     # The original is left as it was.

@@ -71,7 +71,7 @@ def test_a_slip_forward_may_turn_at_once_into_a_slip_backward():
     groups = Groups(**BOUNCER, static_friction=0.05, kinetic_friction=0.05)
     options = {"scene": Scene(ratchet=False, segments=4, tube_mass=0.5), "initial": State(deformation=1.0)}
     done = run(groups, [0], 6.0, tolerance=1e-13, **options)
-    assert done.events["motion"].tolist()[:3] == [1, -1, 1]
+    assert done.events["mode"].tolist()[:3] == [1, -1, 1]
     assert_judged(done, chain_judge(groups, [0], 6.0, **options), atol=1e-9)
 
 
@@ -84,8 +84,8 @@ def test_an_event_exactly_at_a_holds_end(event):
         hold = moment + ulps * np.spacing(moment) if moment else 1.0
         cut, whole = run(groups, [0] * 4, hold, **options), run(groups, [0], 4 * hold, **options)
         # Whether the last instant is still before an event is for rounding to decide.
-        kinds = cut.events["motion"].tolist()
-        assert kinds[:-1] == whole.events["motion"].tolist()[: len(kinds) - 1]
+        kinds = cut.events["mode"].tolist()
+        assert kinds[:-1] == whole.events["mode"].tolist()[: len(kinds) - 1]
         assert cut.foot[-1] == pytest.approx(whole.foot[-1], abs=1e-12)
 
 

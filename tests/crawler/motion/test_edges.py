@@ -19,7 +19,7 @@ SYMMETRIC = Scene(ratchet=False)
 
 
 def kinds(done):
-    return done.events["motion"].tolist()
+    return done.events["mode"].tolist()
 
 
 # Equal frictions, and none
@@ -254,16 +254,16 @@ def test_a_slip_that_rounding_brings_to_rest_at_a_holds_end_does_not_start_again
     missed = 0
     for _ in range(60):
         initial = State(deformation=float(rng.uniform(0.5, 1.5)))
-        stops = [e for e in simulate(groups, [0], 5.0, initial=initial, tolerance=1e-15).events if e["motion"] == 0]
+        stops = [e for e in simulate(groups, [0], 5.0, initial=initial, tolerance=1e-15).events if e["mode"] == 0]
         moment = float(stops[0]["time"])
         for ulps in range(-12, 1):
             hold = moment + ulps * np.spacing(moment)
             first = _advanced(groups, body._replace(deformation=initial.deformation), hold)
-            if first.body.motion != FORWARD:
+            if first.body.mode != FORWARD:
                 continue
             missed += 1
             second = _advanced(groups, first.body, 1e-3)
-            assert second.body.motion == STUCK
+            assert second.body.mode == STUCK
             assert second.body.foot_velocity == 0.0
             assert second.body.foot == pytest.approx(first.body.foot, abs=1e-15)
     assert missed > 100
@@ -308,7 +308,7 @@ def test_symmetric_friction_has_no_preferred_direction():
     )
     np.testing.assert_array_equal(there.foot, -back.foot)
     np.testing.assert_array_equal(there.deformation, -back.deformation)
-    np.testing.assert_array_equal(there.events["motion"], -back.events["motion"])
+    np.testing.assert_array_equal(there.events["mode"], -back.events["mode"])
 
 
 # The linear body against its closed form

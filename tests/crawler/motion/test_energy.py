@@ -114,7 +114,7 @@ def test_a_fault_within_a_run_breaks_the_balance(monkeypatch, name, quantity):
     def faulty(kernel):
         def with_fault(state, *given):
             kernel(state, *given)
-            if not faults and state[0] == PAUSED and state[progress._BODY + Body._fields.index("motion")]:
+            if not faults and state[0] == PAUSED and state[progress._BODY + Body._fields.index("mode")]:
                 faults.append(state[1])
                 state[place] += 1e-3
 

@@ -45,7 +45,7 @@ def test_turns_are_those_of_the_judge_while_the_swing_is_above_the_tolerance(jud
     sure = np.count_nonzero(peaks > ABOVE * tolerance)
     assert sure >= 3
     assert sure <= len(done.events) <= np.count_nonzero(peaks > BELOW * tolerance)
-    assert done.events["motion"].tolist() == motions[: len(done.events)]
+    assert done.events["mode"].tolist() == motions[: len(done.events)]
     # It has turned when it is faster than some tolerances.
     late = done.events["time"] - moments[: len(done.events)]
     assert (late >= -100.0 * tolerance).all()
@@ -75,7 +75,7 @@ def test_turns_do_not_depend_on_how_time_is_cut_into_holds(solver):
     options = {"scene": FREE, "initial": START, "solver": solver}
     whole = run(LINEAR, [0], 60.0, **options)
     pieces = run(LINEAR, [0] * 2400, 0.025, **options)
-    assert pieces.events["motion"].tolist() == whole.events["motion"].tolist()
+    assert pieces.events["mode"].tolist() == whole.events["mode"].tolist()
     np.testing.assert_allclose(pieces.events["time"], whole.events["time"], rtol=0, atol=1e-3)
     assert pieces.foot[-1] == pytest.approx(whole.foot[-1], abs=1e-9)
 
@@ -122,5 +122,5 @@ def test_a_chain_turns_as_its_judge_says_and_not_beyond_the_tolerance():
     assert len(done.events) > 5
     fading = {"scene": scene, "initial": START, "solver": "taylor"}
     coarse, fine = (run(NONLINEAR, [0], 400.0, tolerance=tolerance, **fading) for tolerance in (1e-6, 1e-9))
-    assert coarse.events["motion"].tolist() == fine.events["motion"].tolist()[: len(coarse.events)]
+    assert coarse.events["mode"].tolist() == fine.events["mode"].tolist()[: len(coarse.events)]
     assert coarse.events["time"][-1] < fine.events["time"][-1] < 150.0

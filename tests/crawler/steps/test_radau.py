@@ -280,7 +280,7 @@ def test_stiff_scenes_are_those_of_the_taylor_series(name, ratchet):
     exact = simulate(groups, WORD, 1.0, scene=scene, tolerance=1e-13, solver="taylor", samples_per_hold=3)
     for tolerance in (1e-3, 1e-6, 1e-9, 1e-12):
         done = run(groups, WORD, 1.0, scene=scene, tolerance=tolerance, solver="radau", samples_per_hold=3)
-        assert done.events["motion"].tolist() == exact.events["motion"].tolist()
+        assert done.events["mode"].tolist() == exact.events["mode"].tolist()
         for name in ("deformation", "velocity", "foot", "foot_velocity"):
             atol = 10.0 * tolerance
             np.testing.assert_allclose(getattr(done, name), getattr(exact, name), rtol=0, atol=atol, err_msg=name)
@@ -292,7 +292,7 @@ def test_all_four_stiff_at_once(ratchet):
     exact = simulate(groups, [1, 0], 1.0, scene=scene, tolerance=1e-6, solver="taylor", max_steps=10**7)
     for tolerance in (1e-3, 1e-6, 1e-9, 1e-12):
         done = run(groups, [1, 0], 1.0, scene=scene, tolerance=tolerance, solver="radau")
-        assert done.events["motion"].tolist() == exact.events["motion"].tolist()
+        assert done.events["mode"].tolist() == exact.events["mode"].tolist()
         assert done.slips == (1 if ratchet else 2)
         np.testing.assert_allclose(done.events["time"], exact.events["time"], rtol=0, atol=10.0 * tolerance + 1e-9)
         np.testing.assert_allclose(done.foot, exact.foot, rtol=0, atol=1e-12)
