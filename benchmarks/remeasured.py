@@ -59,13 +59,17 @@ def of_reward(kept: Mapping[str, Any]) -> Found:
 
 
 def of_encodings(kept: Mapping[str, Any]) -> Found:
-    """Loss and scores of one seed, of `docs/encodings.md`."""
+    """Loss and scores of one seed, of `docs/encodings.md`.
+
+    Mackey-Glass is left out: after so many times the chaos has made of it another series on another computer.
+    """
     encodings = _encodings()
+    tasks = {name: task for name, task in encodings.CHOSEN.items() if not name.startswith("Mackey-Glass")}
     for row in kept["rows"][: len(encodings.CASES) : 3]:
         encoding, holds = row["encoding"], row["holds"]
         body = BodyReservoir(hold=encodings.SAMPLE_TIME / holds, encoding=encoding, holds_per_sample=holds)
         scores = run_benchmark(
-            tasks=encodings.CHOSEN, reservoirs={"body": body}, seeds=encodings.SEEDS[:1], length=encodings.LENGTH
+            tasks=tasks, reservoirs={"body": body}, seeds=encodings.SEEDS[:1], length=encodings.LENGTH
         )
         name = f"{encoding} {holds}"
         yield f"loss of {name}", rounded(row["loss"]), rounded(encodings.loss(encoding, holds))

@@ -76,7 +76,11 @@ def stale(folder: Path = RESULTS) -> list[str]:
             sentences.append(f"{pages}: run `{command}` ({'; '.join(changed)})")
     for file, (pages, command, again) in REMEASURED.items():
         kept = json.loads((folder / file).read_text(encoding="utf-8"))
-        changed = [f"{name}: {was} then, {now} today" for name, was, now in again(kept) if was != now]
+        changed = [
+            f"{name}: {was} then, {now} today"
+            for name, was, now in again(kept)
+            if differences({"probe": was}, {"probe": now})
+        ]
         if changed:
             sentences.append(f"{pages}: run `{command}` ({'; '.join(changed)})")
     return sentences

@@ -97,3 +97,17 @@ def test_rounding_forgets_rounding_errors_and_nothing_more():
     assert rounded(0.33334) != rounded(1 / 3)
     assert rounded(-1e-9) == rounded(1e-300) == 0.0
     assert rounded(float("nan")) == "nan"
+
+
+def test_measured_numbers_are_the_same_where_another_computer_would_make_them():
+    def differ(kept, asked, name="probe"):
+        return differences({"tasks": {name: kept}}, {"tasks": {name: asked}}) != []
+
+    assert not differ(0.647278, 0.647309)
+    assert not differ([1.0, 2.0], [1.0005, 2.0])
+    assert not differ("nan", "nan")
+    assert differ(0.647278, 0.649)
+    assert differ([1.0, 2.0], [1.0, 2.01])
+    assert differ([1.0], [1.0, 1.0])
+    assert differ("nan", 1.0)
+    assert differ(0.5, 0.50001, name="hold"), "a setting is no measurement"
