@@ -59,10 +59,10 @@ def changes(results: Any) -> list[str]:
         elif name in reservoirs:  # others are a page's own, of numbers that it shows
             today[kind, name] = reservoir_probe(reservoirs[name])
     found = {
-        f"{difference.name}: {difference.kept} then, {difference.asked} today"
+        f"{name}: {difference.kept} then, {difference.asked} today"
         for kind, name, probe in kept
         if (kind, name) in today
-        for difference in differences({name: probe}, {name: today[kind, name]})
+        for difference in differences({"probe": probe}, {"probe": today[kind, name]})
     }
     return sorted(found) if kept else ["no probes were kept"]
 
