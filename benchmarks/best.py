@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from stickslip.common.extras import optional_import
-from stickslip.crawler.trajectory_figure import house_style, MARKERS, OKABE_ITO, save_figure
+from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, save_figure
 from stickslip.reservoir import Estimate, information_processing_capacity, mean_over_runs, nrmse, predict_held_out
 from stickslip.studies.benchmark.probe import probes
 from stickslip.studies.search import body_space, echo_state_space, held_out_scores, search

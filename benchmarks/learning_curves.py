@@ -22,8 +22,8 @@ import numpy as np
 from measuring import keep, machine, refresh
 
 from stickslip.common.extras import optional_import
+from stickslip.common.figures import house_style, OKABE_ITO
 from stickslip.common.files import atomically
-from stickslip.crawler.trajectory_figure import house_style, OKABE_ITO
 from stickslip.train import StickSlipVecEnv
 from stickslip.train.evaluations import read_evaluations
 from stickslip.train.hyperparameters import read_hyperparameters

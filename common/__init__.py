@@ -1,1 +1,1 @@
-"""What every other folder stands on: validation, files, terminals, extras. Knows nothing of crawlers."""
+"""What every other folder stands on: validation, files, figures, terminals, extras. Knows nothing of crawlers."""

@@ -214,9 +214,9 @@ def speed(
     seed: Annotated[int, typer.Option(help="Of the valve states.")] = 0,
 ) -> None:
     """See what each solver and tolerance errs by and takes on your crawler, and which to use."""
+    from .common.figures import save_figure
     from .common.files import atomically
     from .crawler import Groups, Scene
-    from .crawler.trajectory_figure import save_figure
     from .studies.work_precision import Case, measure, plot_work_precision, recommend
 
     number_within("--error", error, "(0, inf)")

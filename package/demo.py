@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from .common.extras import optional_import
+from .common.figures import save_figure
 from .common.files import atomically
 from .common.workers import worker_processes
 from .crawler import Groups, Scene, simulate
-from .crawler.trajectory_figure import save_figure
 from .envs import StickSlipCrawlerEnv
 from .reservoir import memory_capacity
 from .studies.benchmark import run_benchmark, STANDARD_RESERVOIRS, table

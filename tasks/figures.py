@@ -39,7 +39,7 @@ def plot_memory_profile(memories: Mapping[str, MemoryCapacity], *, ax: Axes | No
         from matplotlib import pyplot as plt
         from matplotlib.ticker import MaxNLocator
 
-    from ..crawler.trajectory_figure import house_style, MARKERS, OKABE_ITO
+    from ..common.figures import house_style, MARKERS, OKABE_ITO
 
     if not 1 <= len(memories) <= len(OKABE_ITO):
         raise ValueError(f"memories must hold 1 to {len(OKABE_ITO)} curves, got {len(memories)}")

@@ -46,7 +46,7 @@ def plot_trade(
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ..crawler.trajectory_figure import house_style, MARKERS, OKABE_ITO
+    from ..common.figures import house_style, MARKERS, OKABE_ITO
 
     points = _points(schedules)
     with house_style():
@@ -90,7 +90,7 @@ def plot_learning(table: Path, *, ax: Axes | None = None) -> Figure:
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ..crawler.trajectory_figure import house_style
+    from ..common.figures import house_style
 
     evaluations = read_evaluations(table)
     steps = [each.steps for each in evaluations]

@@ -4,9 +4,9 @@ import json
 from pathlib import Path
 from typing import Any
 
+from ..common.figures import save_figure
 from ..common.files import atomically
 from ..crawler import simulate
-from ..crawler.trajectory_figure import save_figure
 from ..envs import StickSlipCrawlerEnv
 from ..tasks import plot_memory_profile
 from .evaluation import film, measure

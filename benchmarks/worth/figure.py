@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.common.extras import optional_import
-from stickslip.crawler.trajectory_figure import house_style, MARKERS, OKABE_ITO
+from stickslip.common.figures import house_style, MARKERS, OKABE_ITO
 
 from .cost import SIMULATE, STEP
 from .experiments import BODIES, CHAOTIC, POLICIES, RANDOM, TASKS, WORDS

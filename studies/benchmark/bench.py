@@ -8,11 +8,11 @@ from itertools import product
 from pathlib import Path
 from typing import Any, cast
 
+from ...common.figures import save_figure
 from ...common.files import atomically
 from ...common.threads import one_thread
 from ...common.validation import known_names, whole_number
 from ...common.workers import worker_processes
-from ...crawler.trajectory_figure import save_figure
 from ...envs.specification import plain
 from ...reservoir import Estimate
 from ...tasks import BodyReservoir, known_reservoirs, Reservoir, SeriesTask, Task, TASKS

@@ -51,7 +51,7 @@ def plot_scores(
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ...crawler.trajectory_figure import house_style
+    from ...common.figures import house_style
 
     titles = list(dict.fromkeys(task for task, _ in found))
     styles = _styles(list(dict.fromkeys(reservoir for _, reservoir in found)), without=against)
@@ -123,7 +123,7 @@ def plot_profiles(records: Sequence[Record]) -> Figure:
         from matplotlib import pyplot as plt
         from matplotlib.ticker import MaxNLocator
 
-    from ...crawler.trajectory_figure import house_style
+    from ...common.figures import house_style
 
     titles, styles = _order(records)
     with house_style():
@@ -166,7 +166,7 @@ def plot_information(records: Sequence[Record]) -> Figure:
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ...crawler.trajectory_figure import house_style, OKABE_ITO
+    from ...common.figures import house_style, OKABE_ITO
 
     _, styles = _order(records)
     own = {reservoir: [record for record in records if record.reservoir == reservoir] for reservoir in styles}
@@ -213,7 +213,7 @@ def plot_predictions(records: Sequence[Record], samples: int = 80) -> Figure:
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ...crawler.trajectory_figure import house_style
+    from ...common.figures import house_style
 
     titles, styles = _order(records)
     preferred = [name for name in _DRAWN_TOGETHER if name in styles]
@@ -271,7 +271,7 @@ def plot_sweep(
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ...crawler.trajectory_figure import house_style, OKABE_ITO
+    from ...common.figures import house_style, OKABE_ITO
 
     columns = min(3, len(found))
     rows = -(-len(found) // columns)
@@ -327,7 +327,7 @@ def _styles(reservoirs: Sequence[str], without: str | None = None) -> dict[str, 
 
     One that is left out, and so has no place among the others, takes the first.
     """
-    from ...crawler.trajectory_figure import MARKERS, OKABE_ITO
+    from ...common.figures import MARKERS, OKABE_ITO
 
     # Yellow is hardly seen on white, and a star is small.
     colors = [*OKABE_ITO[:6], OKABE_ITO[7]]

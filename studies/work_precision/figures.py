@@ -52,7 +52,7 @@ def plot_work_precision(study: WorkPrecision, recommendation: Recommendation | N
         from matplotlib import pyplot as plt
         from matplotlib.lines import Line2D
 
-    from ...crawler.trajectory_figure import house_style
+    from ...common.figures import house_style
 
     quantities = list(study.reference.floors)
     with house_style():
@@ -146,7 +146,7 @@ def _label_tolerances(ax: Axes, study: WorkPrecision, quantity: str) -> None:
 
 def _styles(study: WorkPrecision) -> dict[str, tuple[str, str]]:
     """Colour and marker of each solver in a study, the same in all figures."""
-    from ...crawler.trajectory_figure import MARKERS, OKABE_ITO
+    from ...common.figures import MARKERS, OKABE_ITO
 
     present = dict.fromkeys(row.solver for row in study.rows)
     known = dict.fromkeys((*_SOLVERS, *present))

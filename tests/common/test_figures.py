@@ -1,0 +1,59 @@
+"""The house style: colours that can be told apart, settings given back, and figures written whole."""
+
+import matplotlib
+import pytest
+from matplotlib import image
+from matplotlib import pyplot as plt
+
+from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, save_figure
+
+
+def test_the_colours_are_those_of_okabe_and_ito():
+    # Red, green and blue of their table, blue and vermillion first.
+    table = [(0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167)]
+    table += [(230, 159, 0), (86, 180, 233), (240, 228, 66), (0, 0, 0)]
+    assert [tuple(round(255 * part) for part in matplotlib.colors.to_rgb(color)) for color in OKABE_ITO] == table
+    assert len(set(MARKERS)) == len(MARKERS) == len(OKABE_ITO)
+
+
+def test_the_style_holds_within_its_block_only():
+    plt.switch_backend(matplotlib.get_backend())  # chosen when it is first asked for
+    before = matplotlib.rcParams.copy()
+    with house_style():
+        inside = matplotlib.rcParams.copy()
+        figure, ax = plt.subplots()
+        assert not ax.spines["top"].get_visible()
+        assert not ax.spines["right"].get_visible()
+        assert [ax.plot([0, 1])[0].get_color() for _ in OKABE_ITO] == list(OKABE_ITO)
+    assert inside["font.size"] == 9
+    assert matplotlib.rcParams == before
+    plt.close(figure)
+
+
+def test_a_figure_is_written_in_every_form_at_the_style_s_resolution_and_closed(tmp_path):
+    figure = plt.figure(figsize=(2.0, 1.0))
+    figure.add_axes((0, 0, 1, 1))  # nothing to cut away
+    save_figure(figure, tmp_path / "one.png", tmp_path / "two.svg")
+    assert {path.name for path in tmp_path.iterdir()} == {"one.png", "two.svg"}
+    height, width, _ = image.imread(tmp_path / "one.png").shape
+    # Cut to what is drawn, with a margin of a tenth of an inch all round at most.
+    assert 400 <= width <= 440
+    assert 200 <= height <= 240
+    assert "<svg" in (tmp_path / "two.svg").read_text(encoding="utf-8")
+    assert not plt.fignum_exists(figure.number)
+
+
+def test_a_figure_that_cannot_be_written_leaves_the_old_one(tmp_path, monkeypatch):
+    file = tmp_path / "one.png"
+    file.write_bytes(b"old")
+    figure = plt.figure()
+
+    def fail(path):
+        path.write_bytes(b"half")
+        raise OSError("full")
+
+    monkeypatch.setattr(figure, "savefig", fail)
+    with pytest.raises(OSError, match="full"):
+        save_figure(figure, file)
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("one.png", b"old")]
+    plt.close(figure)
