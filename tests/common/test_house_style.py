@@ -2,7 +2,6 @@
 
 import matplotlib
 import pytest
-from matplotlib import image
 from matplotlib import pyplot as plt
 
 from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, save_figure
@@ -31,14 +30,13 @@ def test_the_style_holds_within_its_block_only():
 
 
 def test_a_figure_is_written_in_every_form_at_the_style_s_resolution_and_closed(tmp_path):
-    figure = plt.figure(figsize=(2.0, 1.0))
-    figure.add_axes((0, 0, 1, 1))  # nothing to cut away
+    figure = plt.figure(figsize=(4.0, 1.0))
+    figure.add_axes((0.5, 0.1, 0.2, 0.8))
     save_figure(figure, tmp_path / "one.png", tmp_path / "two.svg")
     assert {path.name for path in tmp_path.iterdir()} == {"one.png", "two.svg"}
-    height, width, _ = image.imread(tmp_path / "one.png").shape
-    # Cut to what is drawn, with a margin of a tenth of an inch all round at most.
-    assert 400 <= width <= 440
-    assert 200 <= height <= 240
+    with Image.open(tmp_path / "one.png") as picture:
+        assert picture.info["dpi"] == pytest.approx((200, 200), rel=1e-3)
+        assert 160 < picture.width < 400  # cut to what is drawn, of four inches
     assert "<svg" in (tmp_path / "two.svg").read_text(encoding="utf-8")
     assert not plt.fignum_exists(figure.number)
 
