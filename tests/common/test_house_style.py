@@ -3,6 +3,7 @@
 import matplotlib
 import pytest
 from matplotlib import pyplot as plt
+from PIL import Image
 
 from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, save_figure
 
