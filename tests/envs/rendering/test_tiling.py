@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.wrappers.vector import RecordVideo
+from pictures import GREY, MIST, places_of, width_of
 
 from stickslip.envs import tile
 from stickslip.envs.rendering.drawing import HEIGHT, WIDTH
@@ -60,8 +61,43 @@ def test_one_picture_is_left_as_it_is():
     np.testing.assert_array_equal(tile([picture]), picture)
 
 
-def test_names_show():
-    assert (tile(pictures(2), ["first", "second"]) != tile(pictures(2))).any()
+@pytest.mark.parametrize(("count", "columns"), [(2, 1), (3, 1), (4, 2), (7, 2), (16, 3)])
+def test_pictures_are_read_line_by_line_and_as_large_as_they_can_be(count, columns):
+    whole, rows = tile([3 * picture for picture in pictures(count)]), -(-count // columns)
+    scale = min(1.0, (1924 / columns - 4) / WIDTH, (1084 / rows - 4) / HEIGHT)
+    assert whole.shape[1] == pytest.approx(columns * (scale * WIDTH + 4) - 4, abs=columns + 1)
+    assert whole.shape[0] == pytest.approx(rows * (scale * HEIGHT + 4) - 4, abs=rows + 1)
+    for k in range(count):
+        row, column = divmod(k, columns)
+        middle = whole[int((row + 0.5) * whole.shape[0] / rows), int((column + 0.5) * whole.shape[1] / columns)]
+        assert np.abs(middle - 15.0 * k).max() <= 5
+    assert (whole[-20:-10, -20:-10] == MIST).all() == (count < rows * columns)  # what is left over is as the gaps are
+
+
+def test_each_picture_has_its_own_name_in_its_upper_right_corner():
+    names = ["first", "second", 3, "last"]
+    whole = tile([np.zeros((HEIGHT, WIDTH, 3), np.uint8)] * 4, names)
+    for k, name in enumerate(names):
+        ((left, top),) = places_of(whole, str(name), 30, GREY, (0, 0, 0))
+        assert (left > WIDTH, top > HEIGHT) == (k % 2 == 1, k // 2 == 1)
+        assert left + width_of(str(name), 30) == pytest.approx((k % 2 + 1) * (WIDTH + 1) - 16, abs=4)
+        assert top % (HEIGHT + 3) == pytest.approx(HEIGHT / 4, abs=2)
+
+
+def test_names_of_small_pictures_can_still_be_read():
+    whole = tile([np.zeros((HEIGHT, WIDTH, 3), np.uint8)] * 100, range(100))
+    assert len(places_of(whole, "57", 14, GREY, (0, 0, 0))) == 1
+
+
+def test_a_window_of_several_names_each(monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    batch = gym.make_vec(NAME, 9, render_mode="human", rendered=[8, 3])
+    batch.reset(seed=0)
+    window = pygame.surfarray.array3d(pygame.display.get_surface()).transpose(1, 0, 2)
+    batch.close()
+    assert window.shape == (2 * HEIGHT + 4, WIDTH, 3)
+    corners = [window[top + 60 : top + 120, WIDTH - 60 :] for top in (0, HEIGHT + 4)]
+    assert [len(places_of(corner, str(name), 30, GREY)) for corner in corners for name in (8, 3)] == [1, 0, 0, 1]
 
 
 def test_the_window_shows_one_picture_of_all(monkeypatch):
