@@ -134,7 +134,7 @@ class CrawlerReservoir(TransformerMixin, BaseEstimator):
             if len(given) != 2 or not given[0] < given[1]:
                 raise ValueError(f"input_range must be two ascending numbers, got {self.input_range!r}")
             self.input_range_ = np.tile(given, (values.shape[1], 1))
-        self.past_ = values.copy() if self.carry_on else values[:0]
+        self.past_ = (values if self.carry_on else values[:0]).copy()
         return self
 
     def fit_transform(self, X: ArrayLike, y: Any = None) -> NDArray[np.float64]:

@@ -5,7 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from stickslip.reservoir import RidgeReadout
 from stickslip.tasks import BodyReservoir, ClosedLoopTask, DelayLine, EchoState, lorenz, mackey_glass, stepper, TASKS
+from stickslip.tasks.closed_loop import _valid_samples
 
 SERIES = np.random.default_rng(0).random(60)
 LOGISTIC = math.log(2)
@@ -57,6 +59,88 @@ def test_a_valid_time_is_the_logarithm_of_the_error_it_starts_with():
         washout=10,
     ).score
     assert score == pytest.approx(math.log(0.4 * math.sqrt(1 / 8) / (4 * delta)), abs=1.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "washout", "length"),
+    [
+        ({}, 10, 300),
+        ({"forecasts": 3}, 10, 300),
+        ({"horizon": 2.0}, 10, 300),
+        ({"tolerance": 0.05}, 10, 300),
+        ({"noise": 0.05}, 10, 300),
+        ({"noise": 0.0}, 10, 300),
+        ({"exponent": 0.1}, 10, 300),
+        ({"exponent": 0.1}, 200, 240),  # too short for a horizon: half of the samples that are foretold in
+        ({}, 57, 300),
+    ],
+)
+def test_every_argument_of_a_closed_loop_is_heard(change, washout, length):
+    """The whole task once more, on a delay line of two taps and their squares, in loops."""
+    of = {"exponent": LOGISTIC, "forecasts": 10, "horizon": 8.0, "tolerance": 0.4, "noise": 1e-4, **change}
+
+    def states(heard):
+        early = np.concatenate([[0.0], heard[:-1]])
+        return np.stack([heard, heard**2, early], axis=1)
+
+    series = logistic(length, 2)
+    training = washout + (length - washout) // 2
+    noise = np.random.default_rng([2, length]).standard_normal(training - 1)
+    noisy = np.clip(series[: training - 1] + of["noise"] * series.std() * noise, 0, 1)
+    readout = RidgeReadout().fit(states(noisy)[washout:], series[washout + 1 : training])
+    samples = min(math.ceil(of["horizon"] / of["exponent"]), (length - training) // 2)
+    times = []
+    for begin in np.linspace(training, length - samples, of["forecasts"]).round().astype(int):
+        heard = series[:begin].tolist()
+        for ahead in range(samples):
+            heard.append(float(np.clip(readout.predict(states(np.array(heard[-2:]))[-1:])[0], 0, 1)))
+            if abs(heard[-1] - series[begin + ahead]) > of["tolerance"] * series.std():
+                break
+        else:
+            ahead = samples
+        times.append(of["exponent"] * ahead)
+    found = ClosedLoopTask(logistic, **of).attempt(lambda u, seed: states(u), length=length, seed=2, washout=washout)
+    assert found.details["valid times"] == pytest.approx(times)
+    assert found.score == pytest.approx(np.mean(times))
+    assert change or len(set(times)) > 1
+
+
+def test_a_forecast_is_valid_up_to_the_tolerance_itself():
+    truth = np.array([0.5, 0.5, 0.75, 0.25, 0.0])
+    assert _valid_samples(lambda value: value, lambda states: 0.5, truth, 0.25) == 3
+    assert _valid_samples(lambda value: value, lambda states: 0.5, truth, 0.24) == 1
+    assert _valid_samples(lambda value: value, lambda states: 0.5, truth, 1.0) == 4
+
+
+def test_what_the_loop_hears_is_kept_within_the_range():
+    heard = []
+    for reading, expected in ((7.0, 1.0), (-7.0, 0.0)):
+        _valid_samples(heard.append, lambda states, reading=reading: reading, np.full(3, 0.5), 9.0)
+        assert heard == [0.5, expected]
+        heard.clear()
+
+
+def test_a_candidate_foretells_the_second_half_of_the_training_from_the_first():
+    asked = []
+
+    class Listening:
+        def __call__(self, series, seed):
+            asked.append(("fitted", len(series), seed))
+            return np.stack([series, series**2], axis=1)
+
+        def stepper(self, series, seed):
+            asked.append(("stepped", len(series), seed))
+            return lambda value: np.array([value, value**2])
+
+    class Tuned:
+        candidates = (Listening(),)
+
+    ClosedLoopTask(logistic, LOGISTIC, forecasts=2, horizon=1.0).attempt(Tuned(), length=440, seed=6, washout=40)
+    # The readout is fitted on samples 40 to 240 of 440; of a candidate on 40 to 140. A horizon is 2 samples.
+    assert asked == [
+        ("fitted", 139, 6), ("stepped", 139, 6), ("stepped", 237, 6),
+        ("fitted", 239, 6), ("stepped", 239, 6), ("stepped", 437, 6),
+    ]  # fmt: skip
 
 
 def test_a_network_is_tuned_before_the_forecasts_begin():

@@ -25,6 +25,14 @@ def test_a_sigma_delta_by_hand():
     np.testing.assert_array_equal(sigma_delta([0.0, 1.0], 3), [0, 0, 0, 1, 1, 1])
 
 
+def test_the_holds_of_a_sample_by_default():
+    assert [len(encoding([0.5, 0.5])) for encoding in (threshold, pulse_width, sigma_delta)] == [2, 2, 16]
+    np.testing.assert_array_equal(sigma_delta([0.3], 8), sigma_delta([0.3]))
+    np.testing.assert_array_equal(threshold([0.0, 0.3, 1.0], level=1.0), [0, 0, 1])
+    np.testing.assert_array_equal(threshold([0.0, 0.3, 1.0], level=0.0), [1, 1, 1])
+    assert list(ENCODINGS) == ["threshold", "pulse_width", "sigma_delta"]
+
+
 @given(SERIES, st.integers(1, 9))
 def test_what_a_sigma_delta_lets_in_follows_the_series_to_half_a_hold(series, holds):
     schedule = sigma_delta(series, holds)

@@ -25,6 +25,23 @@ def test_the_figure_shows_every_profile_with_its_total():
     assert len({line.get_color() for line in ax.lines}) == 2
 
 
+def test_the_figure_says_what_is_drawn_where():
+    profile = np.array([0.9, 0.5, 0.25])
+    some = MemoryCapacity(np.array([0, 2, 5]), profile, cutoff=np.array([0.02, 0.03, 0.01]), bound=9)
+    other = MemoryCapacity(np.array([0, 1]), np.array([0.2, 0.1]), cutoff=0.05, bound=3)
+    [ax] = plot_memory_profile({"some": some, "other": other}).axes
+    np.testing.assert_array_equal(ax.lines[0].get_xdata(), [0, 2, 5])
+    assert [line.get_label().split(":")[0] for line in ax.lines] == ["some", "other"]
+    assert [line.get_color() for line in ax.lines] == ["#0072B2", "#D55E00"]
+    assert len({line.get_marker() for line in ax.lines}) == 2
+    [chance] = ax.patches
+    assert (chance.get_label(), chance.get_y(), chance.get_height()) == ("chance", 0, 0.05)
+    assert ax.get_ylabel() == "memory capacity $MC_d$"
+    assert ax.get_ylim() == (-0.02, 1.05)
+    assert ax.get_legend().get_title().get_text() == "corrected total of bound"
+    assert all(tick == int(tick) for tick in ax.get_xticks())
+
+
 def test_it_draws_where_it_is_told():
     figure = Figure()
     left, right = figure.subplots(1, 2)

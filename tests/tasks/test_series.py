@@ -41,6 +41,47 @@ def test_mackey_glass_against_scipy_delay_by_delay(delay):
     np.testing.assert_allclose(series, expected, rtol=0, atol=1e-8)
 
 
+def delayed_runge_kutta(delay, start, spans, steps):
+    """The classical Runge-Kutta method at `steps` a delay, the delayed x between two of them by Hermite's cubic."""
+    h = delay / steps
+    x, slope = np.full(steps * spans + 1, start), np.zeros(steps * spans + 1)
+
+    def production(late):
+        return 0.2 * late / (1.0 + late**10)
+
+    def late(i):
+        return (start, 0.0) if i < steps else (x[i - steps], slope[i - steps])
+
+    for i in range(steps * spans):
+        (a, da), (b, db) = late(i), late(i + 1)
+        if i < steps:
+            b, db = start, 0.0
+        early, middle, end = map(production, (a, 0.5 * (a + b) + h / 8 * (da - db), b))
+        one = early - 0.1 * x[i]
+        two = middle - 0.1 * (x[i] + h / 2 * one)
+        three = middle - 0.1 * (x[i] + h / 2 * two)
+        four = end - 0.1 * (x[i] + h * three)
+        x[i + 1] = x[i] + h / 6 * (one + 2 * two + 2 * three + four)
+        slope[i], slope[i + 1] = one, end - 0.1 * x[i + 1]
+    return x
+
+
+@pytest.mark.parametrize(("delay", "error"), [(17.0, 3e-12), (30.0, 2e-11), (60.0, 2e-10), (100.0, 2e-9)])
+def test_mackey_glass_against_runge_kutta_at_every_delay(delay, error):
+    """The judge errs by some fourth power of its step: less than the bound here, and a sixteenth at half the step."""
+    series = mackey_glass(160, delay=delay, step=delay / 20, start=0.9, transient=0.0)
+    coarse, fine = (delayed_runge_kutta(delay, 0.9, 8, steps)[: -1 : steps // 20] for steps in (400, 800))
+    assert np.abs(fine - series).max() < error
+    assert np.abs(fine - series).max() < np.abs(coarse - series).max() / 8
+
+
+def test_mackey_glass_begins_where_the_transient_ends():
+    later = mackey_glass(5, delay=20.0, step=2.0, start=0.7, transient=30.0)
+    np.testing.assert_allclose(later, mackey_glass(20, delay=20.0, step=2.0, start=0.7, transient=0.0)[15:], atol=1e-14)
+    np.testing.assert_array_equal(mackey_glass(5), mackey_glass(5, delay=17.0, step=1.0, start=1.2, transient=1000.0))
+    assert len(mackey_glass(1, delay=100.0, start=1.5)) == 1
+
+
 def test_mackey_glass_does_not_depend_on_its_nodes(monkeypatch):
     series = mackey_glass(300, transient=0.0)
     monkeypatch.setattr(chaos, "_NODES", 100)
@@ -66,6 +107,22 @@ def test_lorenz_against_mpmath():
     series = lorenz(5, step=0.25, start=(1, 2, 20), transient=0.0)
     np.testing.assert_allclose(series, expected, rtol=0, atol=1e-12)
     np.testing.assert_allclose(lorenz(1, start=(1, 2, 20), transient=1.0), expected[-1:], rtol=0, atol=1e-12)
+
+
+def test_lorenz_by_default_and_with_each_argument():
+    usual = {"step": 0.05, "start": (1.0, 1.0, 1.0), "transient": 50.0}
+    np.testing.assert_array_equal(lorenz(4), lorenz(4, **usual))
+    for change in ({"step": 0.1}, {"start": (1.0, 1.0, 2.0)}, {"transient": 49.0}):
+        assert (lorenz(4) != lorenz(4, **{**usual, **change})).any(axis=1)[1:].all()
+    start = np.array([1.0, 2.0, 20.0])
+    lorenz(3, start=start)
+    np.testing.assert_array_equal(start, [1.0, 2.0, 20.0])
+
+
+def test_lorenz_steps_the_same_in_one_call_or_in_many(monkeypatch):
+    whole = lorenz(3, step=0.31, transient=2.0)
+    monkeypatch.setattr(chaos, "_STEPS_OF_A_CALL", 7)
+    np.testing.assert_array_equal(lorenz(3, step=0.31, transient=2.0), whole)
 
 
 def test_lorenz_contracts_volumes_at_its_known_rate():
@@ -104,6 +161,16 @@ def test_waveforms_without_memory_are_told_in_seven_of_eight_samples_at_most():
     inputs, kinds = waveforms(80_000, 1)
     guess = np.isclose(np.abs(inputs), 1.0)
     assert (guess == kinds).mean() == pytest.approx(7 / 8, abs=0.01)
+
+
+def test_waveforms_are_drawn_by_period():
+    inputs, kinds = waveforms(20, 3)
+    np.testing.assert_array_equal(kinds, np.repeat(np.random.default_rng(3).integers(0, 2, 3), 8)[:20])
+    np.testing.assert_array_equal(inputs, waveforms(20, 3, points=8)[0])
+    np.testing.assert_array_equal(
+        waveforms(4, 0, points=4)[0] ** 2, [0, 1, 0, 1] if not waveforms(4, 0, points=4)[1][0] else [1] * 4
+    )
+    assert (kinds.dtype, inputs.dtype) == (np.int64, np.float64)
 
 
 def test_waveforms_may_end_within_a_period():

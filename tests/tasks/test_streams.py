@@ -23,6 +23,23 @@ def test_random_numbers_are_uniform_independent_and_repeatable():
     assert (random_bits(64, [3, 1]) != random_bits(64, [3, 2])).any()
 
 
+@pytest.mark.parametrize("seed", [3, [3, 1]])
+def test_streams_are_what_numpys_generator_draws(seed):
+    random = np.random.default_rng(seed)
+    np.testing.assert_array_equal(random_bits(50, seed), random.integers(0, 2, 50))
+    np.testing.assert_array_equal(random_uniform(50, seed), np.random.default_rng(seed).random(50))
+
+
+def test_a_valve_is_the_command_with_flips():
+    command = random_bits(200, 1)
+    flips = np.random.default_rng(8).random(200) < 0.3
+    valve = dithered(command, 0.3, 8)
+    np.testing.assert_array_equal(valve, np.where(flips, 1 - command, command))
+    assert valve.dtype == np.int64
+    np.testing.assert_allclose(innovation(valve, command, 0.3), valve - np.where(command == 1, 0.7, 0.3))
+    assert set(dithered([1.0, 0.0, True], 0.5, 0).tolist()) <= {0, 1}
+
+
 @pytest.mark.parametrize("dither", [0.05, 0.1, 0.5])
 def test_the_innovation_is_news(dither):
     """Zero mean, variance eps (1 - eps), and uncorrelated with a periodic command and with its own past."""

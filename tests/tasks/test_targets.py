@@ -1,4 +1,5 @@
 import math
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -6,6 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip.tasks import narma, parity, random_bits, random_narma, random_uniform
+
+narma_module = import_module("stickslip.tasks.narma")  # the name in the package is the function's
 
 UNIFORM = st.lists(st.floats(0, 0.3), min_size=1, max_size=40)
 
@@ -93,6 +96,47 @@ def test_inputs_that_diverge_are_drawn_again_whole():
     assert redrawn > 0
 
 
+@pytest.mark.parametrize(("bits", "height"), [(False, 0.62), (True, 0.6)])
+def test_each_draw_anew_has_a_seed_of_its_own(bits, height):
+    """The first that stays bounded of draws from seed, [seed, 1], [seed, 2] and so on."""
+
+    def bounded(inputs):
+        try:
+            narma(inputs, 10)
+        except ValueError:
+            return False
+        return True
+
+    attempts = []
+    for seed in range(8):
+        draws = [(random_bits if bits else random_uniform)(200, [seed, k] if k else seed) for k in range(100)]
+        found, _ = random_narma(200, 10, seed, bits=bits, height=height)
+        first = next(k for k, drawn in enumerate(draws) if bounded(height * drawn))
+        np.testing.assert_array_equal(found, height * draws[first])
+        attempts.append(first)
+    assert max(attempts) > 1
+
+
+def test_a_hundred_draws_are_tried_and_no_more(monkeypatch):
+    seeds = []
+    drawn = narma_module.random_uniform
+    monkeypatch.setattr(narma_module, "random_uniform", lambda n, seed: seeds.append(seed) or drawn(n, seed))
+    with pytest.raises(ValueError, match=r"height must be small enough for NARMA-10 .* over 500 steps, got 1"):
+        random_narma(500, 10, 4, height=1.0)
+    assert seeds == [4, *([4, k] for k in range(1, 100))]
+
+
+@pytest.mark.parametrize(("largest", "diverged"), [(9.9, False), (10.1, True)])
+def test_narma_diverges_past_ten(largest, diverged):
+    """Of order 2 a single input sets the next y: 0.6 u^3 + 0.1."""
+    u = [((largest - 0.1) / 0.6) ** (1 / 3)]
+    if diverged:
+        with pytest.raises(ValueError, match=r"got values up to 2\.55436, which drive y to 10\.1 at step 0"):
+            narma(u, 2)
+    else:
+        assert narma(u, 2)[0] == pytest.approx(largest)
+
+
 def test_narma20_saturates_and_still_varies():
     y = narma(random_narma(2000, 20, 0)[0], 20)[200:]
     assert 1.1 < y.min() < y.max() < 1.2
@@ -124,6 +168,11 @@ def test_parity_counts_the_ones(bits, order, delay):
     given_bits = dict(enumerate(bits))
     expected = [sum(given_bits.get(t - delay - i, 0) for i in range(order)) % 2 for t in range(len(bits))]
     np.testing.assert_array_equal(parity(bits, order, delay), expected)
+
+
+def test_a_parity_is_of_the_latest_bits_by_default():
+    np.testing.assert_array_equal(parity([1, 1, 0, 1], 2), [1, 0, 1, 1])
+    np.testing.assert_array_equal(parity([1, 1, 0, 1], 1), [1, 1, 0, 1])
 
 
 def test_a_delayed_parity_is_the_parity_delayed():

@@ -1,24 +1,38 @@
 """The tasks themselves: what drives, what is to be read out, and how it is scored."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from stickslip import Groups, Scene
+from stickslip.reservoir import mean_over_runs, memory_capacity
+from stickslip.reservoir.ridge import samples_needed
 from stickslip.tasks import (
     ACCURACY,
     BodyReservoir,
     CAPACITY,
+    DelayLine,
     EchoState,
     FrictionTask,
     known_reservoirs,
     lorenz,
     mackey_glass,
+    MEASURES,
+    Metric,
     narma,
     NRMSE,
     parity,
+    Problem,
+    random_bits,
     SeriesTask,
+    Solution,
     TASKS,
 )
+from stickslip.tasks import task as task_module
+from stickslip.tasks.closed_loop import VALID_TIME
+from stickslip.tasks.task import mean_score, tuned
 
 SERIES_TASKS = {name: task for name, task in TASKS.items() if isinstance(task, SeriesTask)}
 
@@ -118,6 +132,128 @@ def test_samples_before_the_washout_are_never_scored():
     assert scores[0] == scores[1]
 
 
+def test_the_scored_half_begins_in_the_middle_of_what_the_washout_leaves():
+    """Of 1001 samples 101 are washed out, 450 fit the readout and 450 judge it."""
+    targets = np.random.default_rng(1).standard_normal(1001)
+    solution = NRMSE.solve(targets[:, None], targets, 101)
+    np.testing.assert_array_equal(solution.target, targets[551:])
+    seen = []
+    spied = Metric(
+        "spied", lambda states, t, start: seen.append((len(states), len(t), start)) or Solution(0.0), True, 0.0
+    )
+    task = SeriesTask(lambda length, seed: Problem(targets, targets, targets, 7), spied)
+
+    class Tuned:
+        candidates = (lambda drive, seed: drive[:, None],)
+
+    task.attempt(Tuned(), length=1001, seed=0, washout=101)
+    assert seen == [(551, 551, 101), (1001, 1001, 101)]
+    task.attempt(lambda drive, seed: drive[:, None], length=1001, seed=0, washout=3)
+    assert seen[-1] == (1001, 1001, 7)
+
+
+def test_a_draw_is_shared_and_nobody_writes_to_it():
+    draws = []
+
+    def draw(length, seed):
+        draws.append((length, seed))
+        return Problem(np.zeros(length), np.zeros(length), np.arange(length, dtype=float), 0)
+
+    def scribbling(drive, seed):
+        drive[0] = 1.0
+        return drive[:, None]
+
+    task = SeriesTask(draw, CAPACITY)
+    for _ in range(2):
+        with pytest.raises(ValueError, match="read-only"):
+            task.attempt(scribbling, length=300, seed=0, washout=0)
+    noise = np.random.default_rng(0).random((400, 2))
+    task.attempt(lambda drive, seed: noise[: len(drive)], length=300, seed=0, washout=0)
+    task.attempt(lambda drive, seed: noise[: len(drive)], length=300, seed=1, washout=0)
+    assert draws == [(300, 0), (300, 1)]
+
+    def spoiling(states, targets, start):
+        targets[0] = 9.0
+
+    with pytest.raises(ValueError, match="read-only"):
+        SeriesTask(draw, Metric("spoiling", spoiling, True, 0.0)).attempt(
+            lambda drive, seed: noise[:300], length=300, seed=0, washout=0
+        )
+    problem = task_module._drawn(draw, 300, 0)
+    assert not any(array.flags.writeable for array in (problem.drive, problem.inputs, problem.targets))
+
+
+def test_the_first_of_equal_candidates_is_taken():
+    class Tuned:
+        candidates = ("a", "b", "c")
+
+    scores = {"a": 1.0, "b": 3.0, "c": 3.0}
+    assert tuned(Tuned(), scores.get, CAPACITY) == "b"
+    assert tuned(Tuned(), {"a": 2.0, "b": 2.0, "c": 3.0}.get, NRMSE) == "a"
+    assert tuned("alone", scores.get, NRMSE) == "alone"
+
+
+def test_an_accuracy_counts_the_samples_on_the_right_side_of_a_half():
+    kinds = np.tile([0.0, 1.0, 1.0, 0.0], 100)
+    wrong = np.where(np.arange(400) % 8 == 5, 1 - kinds, kinds)
+    solution = ACCURACY.solve(wrong[:, None], kinds, 0)
+    expected = np.mean((solution.prediction >= 0.5) == (solution.target == 1.0))
+    assert solution.score == expected == 7 / 8
+    np.testing.assert_array_equal(solution.target, kinds[200:])
+
+
+def test_a_capacity_is_the_corrected_total_over_forty_delays():
+    bits = random_bits(600, 0)
+    states = DelayLine(5)(bits)
+    expected = memory_capacity(states, bits, 40, washout=70)
+    solution = CAPACITY.solve(states, bits, 70)
+    assert solution.score == expected.corrected
+    np.testing.assert_array_equal(solution.memory.profile, expected.profile)
+    assert solution.prediction is solution.target is None
+
+
+@pytest.mark.parametrize("metric", [NRMSE, ACCURACY])
+def test_as_few_samples_are_scored_as_can_be(metric):
+    """Of 3 features both halves must have two samples more: 12 are enough."""
+    states = np.random.default_rng(0).random((12, 3))
+    needed = samples_needed(3, 0.5)
+    assert math.isfinite(metric.solve(states[:needed], states[:needed, 0], 0).score)
+    with pytest.raises(ValueError, match=rf"at least {needed} samples for 3 features to be scored, got {needed - 1}"):
+        metric.solve(states[: needed - 1], states[: needed - 1, 0], 0)
+
+
+BOUNDS = {"NRMSE": (0, math.inf), "capacity": (0, math.inf), "accuracy": (0, 1), "valid time": (0, math.inf)}
+BOUNDS |= {"rank": (0, math.inf), "index": (1, math.inf)}
+
+
+def test_every_metric_has_its_bounds_and_chance():
+    for name, task in {**TASKS, **MEASURES}.items():
+        assert task.metric.bounds == BOUNDS[task.metric.name], name
+    assert Metric("another", None, True, 0.0).bounds is None
+    assert [(m.name, m.more_is_better, m.chance) for m in (NRMSE, ACCURACY, CAPACITY, VALID_TIME)] == [
+        ("NRMSE", False, 1.0), ("accuracy", True, 0.5), ("capacity", True, 0.0), ("valid time", True, 0.0)
+    ]  # fmt: skip
+
+
+def test_a_mean_score_keeps_to_the_bounds_of_its_task():
+    scores = [1.0, 7.0, 7.5]
+    free = mean_over_runs(scores)
+    bounded = mean_over_runs(scores, bounds=(0.0, math.inf))
+    named = {name: Metric(name, None, True, 0.0) for name in ("another", "capacity", "NRMSE", "rank")}
+    of = {name: SeriesTask(None, metric) for name, metric in named.items()}
+    assert mean_score(of["another"], scores, 4) == free
+    assert mean_score(of["NRMSE"], scores, 4) == bounded
+    assert mean_score(of["capacity"], scores) == bounded
+    for name in ("capacity", "rank"):
+        assert mean_score(of[name], scores, 8) == mean_over_runs(scores, bounds=(0.0, 8.0))
+        # One seed's estimate beyond what can be true is no reason to fail.
+        found = mean_score(of[name], scores, 7)
+        assert (found.low, found.high) == (mean_over_runs(scores, bounds=(0.0, 7.5)).low, 7.0)
+    loop = TASKS["Lorenz valid time"]
+    assert mean_score(loop, scores, 4) == mean_over_runs(scores, bounds=(0.0, 8.0))
+    assert mean_score(replace(loop, horizon=20.0), scores) == mean_over_runs(scores, bounds=(0.0, 20.0))
+
+
 class Spied:
     """A reservoir whose states are the target where `known`, and noise elsewhere."""
 
@@ -194,6 +330,54 @@ def test_the_grounds_are_within_their_ranges_and_kinetic_friction_is_the_lesser(
     assert 0.49 < static.max() <= 0.5
     assert (kinetic / static).min() >= 0.4
     assert (kinetic <= static).all()
+
+
+def test_grounds_are_drawn_static_friction_first():
+    random = np.random.default_rng(5)
+    static = random.uniform(0.05, 0.5, 30)
+    expected = np.column_stack([static, static * random.uniform(0.4, 1.0, 30)])
+    np.testing.assert_array_equal(FrictionTask().draw(30, 5), expected)
+
+
+class Ground:
+    """A reservoir that feels one of the frictions in its last hold, and neither in those before."""
+
+    def __init__(self, column):
+        self.column, self.met = column, []
+
+    def on_grounds(self, series, grounds):
+        self.met.append((series.tolist(), list(grounds)))
+        felt = np.zeros((len(grounds), len(series), 1))
+        felt[:, -1, 0] = np.array(grounds)[:, self.column]
+        return felt
+
+
+@pytest.mark.parametrize(("which", "column"), [("static", 0), ("kinetic", 1)])
+def test_the_friction_to_be_told_is_the_one_that_is_named(which, column):
+    task = FrictionTask(which, word="110", repeats=2)
+    ground = Ground(column)
+    solution = task.attempt(ground, length=125, seed=3, washout=50)
+    [(gait, grounds)] = ground.met
+    assert gait == [1, 1, 0, 1, 1, 0]
+    np.testing.assert_array_equal(grounds, task.draw(20, 3))
+    np.testing.assert_array_equal(solution.target, np.array(grounds)[10:, column])
+    assert solution.score < 1e-6
+    assert task.attempt(Ground(1 - column), length=600, seed=3, washout=0).score > 0.2
+
+
+def test_who_cannot_feel_the_ground_has_the_last_state_of_the_gait_everywhere():
+    heard = []
+
+    def reservoir(gait, seed):
+        heard.append((gait.tolist(), seed))
+        return np.arange(len(gait), dtype=float)[:, None]
+
+    states = []
+    metric = Metric("kept", lambda x, targets, start: states.append((x, start)) or Solution(0.0), True, 0.0)
+    FrictionTask("static", word="10", repeats=3, metric=metric).attempt(reservoir, length=30, seed=2, washout=4)
+    assert heard == [([1, 0, 1, 0, 1, 0], 2)]
+    np.testing.assert_array_equal(states[0][0], np.full((5, 1), 5.0))
+    assert states[0][1] == 0
 
 
 def test_each_ground_is_met_at_rest_by_a_body_of_that_friction():

@@ -22,7 +22,7 @@ from sklearn.utils.estimator_checks import parametrize_with_checks
 
 import stickslip
 from stickslip import CrawlerReservoir, Groups, Scene, simulate
-from stickslip.tasks import transformer
+from stickslip.tasks import BodyReservoir, transformer
 
 SERIES = np.random.default_rng(0).random(60)
 DELAYED = np.roll(SERIES, 1)
@@ -47,6 +47,88 @@ def test_rows_are_the_body_read_while_each_sample_drives_it():
     expected = np.hstack([getattr(motion, name).reshape(60, 3) for name in ("deformation", "velocity", "pressure")])
     np.testing.assert_array_equal(reservoir.fit_transform(SERIES), expected)
     np.testing.assert_array_equal(reservoir.fit_transform(SERIES[:, None]), expected)
+
+
+USUAL = {
+    "groups": None,
+    "scene": None,
+    "hold": 0.5,
+    "encoding": "pulse_width",
+    "holds_per_sample": 1,
+    "virtual_nodes": 4,
+    "readings": ("deformation", "velocity", "pressure"),
+    "tolerance": 1e-9,
+}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"groups": {"duffing": 2.0}},
+        {"scene": {"slope": 0.1}},
+        {"hold": 1.1},
+        {"encoding": "threshold"},
+        {"holds_per_sample": 2},
+        {"virtual_nodes": 2},
+        {"readings": ("foot_velocity", "velocity")},
+        {"tolerance": 1e-3},
+    ],
+    ids=str,
+)
+def test_every_argument_of_the_body_is_heard(change):
+    """The judge is the reservoir of that body, driven by the first sample a hundred times and then by the series."""
+    expected = BodyReservoir(**{**USUAL, **change})(np.concatenate([np.repeat(SERIES[0], 100), SERIES]))[100:]
+    np.testing.assert_array_equal(CrawlerReservoir(input_range=(0, 1), **change).fit_transform(SERIES), expected)
+    assert (
+        not change
+        or expected.shape != (60, 12)
+        or (expected != CrawlerReservoir(input_range=(0, 1)).fit_transform(SERIES)).any()
+    )
+
+
+def test_arguments_by_default():
+    usual = {**USUAL, "washout": 100, "input_range": None, "carry_on": False}
+    assert CrawlerReservoir().get_params() == usual
+
+
+def test_what_was_fitted_is_a_copy():
+    """The caller may write over the fitted series, and a range, and transform as before."""
+    for carry_on in (False, True):
+        series = SERIES[:30, None].copy()
+        reservoir = CrawlerReservoir(carry_on=carry_on, washout=5, virtual_nodes=1).fit(series)
+        before = reservoir.transform(SERIES[:20])
+        assert not any(np.shares_memory(kept, series) for kept in (reservoir.past_, reservoir.input_range_))
+        assert reservoir.past_.base is None  # nor does it keep the series alive
+        assert reservoir.past_.shape == (30 if carry_on else 0, 1)
+        series[:] = 0.5
+        np.testing.assert_array_equal(reservoir.transform(SERIES[:20]), before)
+    limits = np.array([0.0, 1.0])
+    reservoir = CrawlerReservoir(input_range=limits).fit(SERIES)
+    before = reservoir.transform(SERIES[:5])
+    limits[1] = 9.0
+    np.testing.assert_array_equal(reservoir.transform(SERIES[:5]), before)
+    given = SERIES.copy()
+    CrawlerReservoir(washout=2).fit_transform(given)
+    np.testing.assert_array_equal(given, SERIES)
+
+
+def test_the_range_is_told_by_column():
+    both = np.stack([SERIES, 3 * SERIES - 5], axis=1)
+    fitted = CrawlerReservoir().fit(both).input_range_
+    np.testing.assert_array_equal(fitted, np.stack([both.min(axis=0), both.max(axis=0)], axis=1))
+    np.testing.assert_array_equal(CrawlerReservoir(input_range=(-1, 2)).fit(both).input_range_, [[-1, 2], [-1, 2]])
+
+
+def test_a_warning_points_at_the_line_that_transforms():
+    reservoir = CrawlerReservoir(input_range=(0, 1)).fit(SERIES)
+    for call in (reservoir.transform, reservoir.fit_transform):
+        with pytest.warns(UserWarning, match="column 0 goes from 0.5 to 1.25, and was fitted for 0 to 1") as told:
+            call([[0.5], [1.25]])
+        assert told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        reservoir.settled(2 * SERIES)
 
 
 def test_the_washout_is_the_first_sample_held_before_the_series():
@@ -142,6 +224,32 @@ def test_settled_rows_are_those_that_every_start_leads_to():
         reservoir.settled(series, tolerance=0)
     with pytest.raises(ValueError, match="washout must be a whole number >= 1, got 0"):
         CrawlerReservoir(washout=0).fit(SERIES).settled(series)
+
+
+def test_settled_rows_by_hand():
+    """Those after the last in which a start with the valve shut or open still differs, in shares of a deviation."""
+    reservoir = CrawlerReservoir(input_range=(0, 1), washout=30, virtual_nodes=2).fit(SERIES)
+    series = np.random.default_rng(2).random(200)
+    body = BodyReservoir(virtual_nodes=2)
+    usual, shut, opened = (body(np.concatenate([np.full(30, start), series]))[30:] for start in (series[0], 0.0, 1.0))
+    for tolerance in (0.01, 0.3):
+        apart = (np.maximum(abs(shut - usual), abs(opened - usual)) > tolerance * usual.std(axis=0)).any(axis=1)
+        expected = np.arange(200) > np.flatnonzero(apart)[-1]
+        np.testing.assert_array_equal(reservoir.settled(series, tolerance=tolerance), expected)
+    np.testing.assert_array_equal(reservoir.settled(series), reservoir.settled(series, tolerance=0.01))
+    assert not CrawlerReservoir(washout=1, scene={"slope": 0.0}).fit(SERIES[:3]).settled(SERIES[:3]).any()
+
+
+def test_names_of_columns_are_those_that_were_fitted():
+    frame = pandas.DataFrame({"left": SERIES[:9], "right": SERIES[9:18]})
+    reservoir = CrawlerReservoir(virtual_nodes=1, readings="velocity").fit(frame)
+    assert reservoir.get_feature_names_out().tolist() == ["left_velocity_0", "right_velocity_0"]
+    assert reservoir.get_feature_names_out(["left", "right"]).tolist() == ["left_velocity_0", "right_velocity_0"]
+    with pytest.raises(ValueError, match=r"input_features is not equal to feature_names_in_, \['left', 'right'\], got"):
+        reservoir.get_feature_names_out(["right", "left"])
+    assert CrawlerReservoir(virtual_nodes=1, readings="velocity").fit(SERIES).get_feature_names_out(["u"]).tolist() == [
+        "velocity_0"
+    ]
 
 
 def test_a_constant_series_shuts_the_valve():
