@@ -1,4 +1,6 @@
 import json
+import multiprocessing
+import re
 
 import numpy as np
 import pytest
@@ -81,3 +83,58 @@ def test_a_record_is_plain_json(tmp_path):
         "details": {"exponent": None},
     }
     assert isinstance(Record.of(attempt()).score, float)
+
+
+def kept_again_and_again(folder, turn, times):
+    records = Records(folder, SETTINGS, resume=True)
+    for _ in range(times):
+        records.keep(attempt(score=float(turn), details={"filling": [turn] * 5_000}))
+
+
+def test_two_processes_that_keep_the_same_attempt_leave_one_of_the_two_whole(tmp_path):
+    """Whoever reads in between reads one or the other, and never a half of each."""
+    Records(tmp_path, SETTINGS).keep(attempt(score=0.0, details={"filling": [0] * 5_000}))
+    context = multiprocessing.get_context("fork")
+    writers = [context.Process(target=kept_again_and_again, args=(tmp_path, turn, 40)) for turn in (1, 2)]
+    for writer in writers:
+        writer.start()
+    reader, seen = Records(tmp_path, SETTINGS, resume=True), set()
+    while any(writer.is_alive() for writer in writers):
+        [record] = reader.load().values()
+        assert record.details["filling"] == [int(record.score)] * 5_000
+        seen.add(record.score)
+    assert [writer.exitcode for writer in writers] == [0, 0]
+    [record] = reader.load().values()
+    assert record.score in (1.0, 2.0)
+    assert seen <= {0.0, 1.0, 2.0}
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".json", ".json"]  # the settings, and one attempt
+
+
+def test_what_is_shown_of_a_prediction_is_its_beginning():
+    series = np.arange(200.0)
+    record = Record.of(attempt(prediction=series, target=series + 1))
+    assert (record.details["prediction"], record.details["target"]) == (list(range(120)), list(range(1, 121)))
+    assert Record.of(attempt(target=series)).details == Record.of(attempt(prediction=series)).details == {}
+    details = {"rank": 3}
+    assert Record.of(attempt(details=details)).details is not details
+
+
+def test_names_that_read_alike_have_files_of_their_own(tmp_path):
+    records = Records(tmp_path, SETTINGS)
+    for k, (task, reservoir) in enumerate([("a b", "c"), ("a", "b c"), ("a-b", "c"), ("A b", "c"), ("x" * 300, "y")]):
+        records.keep(attempt(task, reservoir, score=float(k)))
+    assert sorted(record.score for record in records.load().values()) == [0.0, 1.0, 2.0, 3.0, 4.0]
+    names = sorted(path.name for path in tmp_path.glob("a-*"))
+    assert all(re.fullmatch(r"a-b-c-[0-9a-f]{8}-0\.json", name) for name in names)
+    [long] = tmp_path.glob("x*")
+    assert re.fullmatch(r"x{80}-[0-9a-f]{8}-0\.json", long.name)
+
+
+def test_a_folder_that_fits_is_left_as_it_is(tmp_path):
+    settings = {**SETTINGS, "tasks": {"a": 1}, "reservoirs": {"r": 1}}
+    Records(tmp_path, settings)
+    before = (tmp_path / "settings.json").stat().st_mtime_ns
+    Records(tmp_path, {**settings, "tasks": {}}, resume=True)
+    assert (tmp_path / "settings.json").stat().st_mtime_ns == before
+    with pytest.raises(ValueError, match="must be"):
+        Records(tmp_path, {**settings, "seeds": 3}, resume=True)
