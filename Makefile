@@ -7,7 +7,7 @@ export OMP_NUM_THREADS ?= 1
 # Text read or written in whatever encoding the locale has is an error in the tests.
 test slow: export PYTHONWARNDEFAULTENCODING ?= 1
 
-.PHONY: demo test lint types layers package slow bench clean
+.PHONY: demo test lint types layers package slow mutation bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/stickslip demo
@@ -17,6 +17,10 @@ test: lint types layers
 
 slow: $(VENV)/interop-ready
 	$(BIN)/python -m pytest -m slow
+
+# Faults put into the code, and whether the tests notice: hours for all; more options in the script.
+mutation: $(VENV)/ready
+	$(BIN)/python benchmarks/mutation.py --minutes 20
 
 lint: $(VENV)/ready
 	$(BIN)/ruff check .
@@ -33,7 +37,7 @@ package: $(VENV)/ready
 	$(BIN)/python -m build
 
 bench: $(VENV)/ready
-	for script in $(filter-out benchmarks/measuring.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$script || exit 1; done
+	for script in $(filter-out benchmarks/measuring.py benchmarks/mutation.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$script || exit 1; done
 
 $(VENV)/ready: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)

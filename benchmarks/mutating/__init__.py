@@ -1,0 +1,1 @@
+"""Parts of `benchmarks/mutation.py`: faults made on purpose, and whether the tests notice them."""

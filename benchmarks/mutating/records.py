@@ -1,0 +1,70 @@
+"""Results of trials, one a line of JSON, written as they come; and faults declared to change nothing."""
+
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .operators import Mutant, mutants
+
+__all__ = ["Equivalents", "added", "key", "known"]
+
+
+def key(file: str, mutant: Mutant, source: str, tests: str) -> str:
+    """Names a trial: the fault, and digests of the module and of the tests."""
+    return f"{file}:{mutant.begin}-{mutant.end}:{mutant.text.decode()}|{source}|{tests}"
+
+
+def known(path: Path) -> dict[str, dict[str, Any]]:
+    """Results by key, the last of each; a line that was cut off is left out."""
+    results = {}
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+        try:
+            result = json.loads(line)
+        except json.JSONDecodeError:
+            continue
+        results[result["key"]] = result
+    return results
+
+
+def added(path: Path, result: Mapping[str, Any]) -> None:
+    """Append a result: one write, so that what two processes write does not mix."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", encoding="utf-8") as file:
+        file.write(json.dumps(result) + "\n")
+
+
+@dataclass(frozen=True)
+class Equivalents:
+    """Faults that no test can notice, each with the reason.
+
+    Parameters
+    ----------
+    entries : sequence of mapping
+        "file", "before" and "after" (the whole lines, as ``--list`` prints them), and "reason".
+    """
+
+    entries: Sequence[Mapping[str, str]]
+
+    @classmethod
+    def read(cls, path: Path) -> "Equivalents":
+        """Those of a file of TOML."""
+        return cls(tomllib.loads(path.read_text(encoding="utf-8")).get("equivalent", []))
+
+    def reason(self, file: str, before: str, after: str) -> str:
+        """Why a fault changes nothing; empty if it may change something."""
+        fault = (file, before, after)
+        same = (each for each in self.entries if (each["file"], each["before"].strip(), each["after"].strip()) == fault)
+        return next((each["reason"] for each in same), "")
+
+    def gone(self, root: Path) -> list[str]:
+        """Entries that are no fault of today's code, or give no reason."""
+        wrong = []
+        for each in self.entries:
+            file, before, after = each["file"], each["before"].strip(), each["after"].strip()
+            made = mutants((root / file).read_bytes()) if (root / file).is_file() else []
+            if not each.get("reason") or not any((m.before, m.after) == (before, after) for m in made):
+                wrong.append(f"{file}: {before} -> {after}")
+        return wrong

@@ -1,0 +1,56 @@
+"""Which tests come first: those that reach the changed line, then those that name the module, the quick ones first."""
+
+import ast
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from .operators import Mutant
+
+__all__ = ["ordered", "reached", "tests_of"]
+
+
+def tests_of(tree: Path, folder: str) -> list[str]:
+    """Test files of a folder, relative to the checkout."""
+    return sorted(path.relative_to(tree).as_posix() for path in (tree / "tests" / folder).rglob("test_*.py"))
+
+
+def reached(baseline: Mapping[str, Any], file: str, mutant: Mutant) -> bool | None:
+    """Whether a test ran the line without a fault; None where that cannot be seen, in compiled functions."""
+    if mutant.compiled:
+        return None
+    return any(mutant.line in lines.get(_module_file(file), ()) for lines in baseline["reached"].values())
+
+
+def ordered(tree: Path, baseline: Mapping[str, Any], file: str, mutant: Mutant, tests: list[str]) -> list[str]:
+    """The test files in the order in which they are most likely to notice a fault soon."""
+
+    def rank(test: str) -> tuple[bool, bool, float]:
+        runs = mutant.line in baseline["reached"].get(test, {}).get(_module_file(file), ())
+        mirrors = Path(test).stem.removeprefix("test_").startswith(Path(file).stem)
+        return not (runs or mirrors), not _names(tree / test, tree / file), baseline["seconds"].get(test, 0.0)
+
+    return sorted(tests, key=rank)
+
+
+def _module_file(file: str) -> str:
+    """As the package sees it: ``package/`` is the package itself."""
+    return file.removeprefix("package/")
+
+
+@cache
+def _names(test: Path, file: Path) -> bool:
+    """Whether a test file imports a module, or from a package what the module defines."""
+    defined = {
+        node.name
+        for node in ast.parse(file.read_bytes()).body
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_")
+    } | {file.stem}
+    for node in ast.walk(ast.parse(test.read_bytes())):
+        module = (node.module or "") if isinstance(node, ast.ImportFrom) else ""
+        if isinstance(node, ast.ImportFrom) and module.startswith("stickslip"):
+            names = {alias.name for alias in node.names}
+            if file.stem in module.split(".") or defined & names:
+                return True
+    return False

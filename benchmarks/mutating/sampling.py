@@ -1,0 +1,76 @@
+"""Which faults are tried: lines are drawn alike, then one of a line's faults."""
+
+import random
+import re
+import subprocess
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from .operators import Mutant, mutants
+from .source import same_code
+
+__all__ = ["changed_lines", "drawn", "files_of", "tracked"]
+
+Place = tuple[str, Mutant]  # file, fault
+
+
+def tracked(root: Path, *folders: str) -> list[str]:
+    """Files and links that git knows or would, relative to the checkout."""
+    command = ["git", "-C", str(root), "ls-files", "-z", "--cached", "--others", "--exclude-standard", "--", *folders]
+    listed = subprocess.run(command, capture_output=True, check=True).stdout.decode().split("\0")
+    return sorted({file for file in listed if file and ((root / file).exists() or (root / file).is_symlink())})
+
+
+def files_of(root: Path, folder: str) -> list[str]:
+    """The modules of a folder."""
+    return [file for file in tracked(root, folder) if file.endswith(".py")]
+
+
+def changed_lines(root: Path, revision: str) -> dict[str, set[int]]:
+    """Lines by file that are not as they were at a revision."""
+    command = ["git", "-C", str(root), "diff", "--unified=0", "--no-ext-diff", "--no-renames", revision, "--"]
+    lines: dict[str, set[int]] = defaultdict(set)
+    file = ""
+    for row in subprocess.run(command, capture_output=True, check=True).stdout.decode().splitlines():
+        if row.startswith("+++ "):
+            file = row.removeprefix("+++ ").removeprefix("b/")
+        elif stretch := re.match(r"@@ -\S+ \+(\d+)(?:,(\d+))? @@", row):
+            first, count = int(stretch[1]), int(stretch[2] or 1)
+            lines[file].update(range(first, first + count))
+    return lines
+
+
+def drawn(root: Path, files: Iterable[str], seed: int, lines: Mapping[str, set[int]] | None = None) -> Iterator[Place]:
+    """Faults in the order in which they are tried, each once: the first of every line come before the second of any.
+
+    Parameters
+    ----------
+    root : Path
+        The checkout.
+    files : iterable of str
+        Modules, relative to it.
+    seed : int
+        Of the order; the faults of a seed are the same however many are asked for.
+    lines : mapping, optional
+        Lines by file that faults may begin on; all if None.
+    """
+    texts = {file: (root / file).read_bytes() for file in files}
+    by_line: dict[tuple[str, int], list[Mutant]] = defaultdict(list)
+    for file, text in texts.items():
+        for mutant in mutants(text):
+            if lines is None or mutant.line in lines.get(file, ()):
+                by_line[file, mutant.line].append(mutant)
+    order = random.Random(seed)
+    for line in by_line.values():
+        order.shuffle(line)
+    while by_line:
+        places = list(by_line)
+        order.shuffle(places)
+        for place in places:
+            file, _ = place
+            mutant = by_line[place].pop()
+            if not by_line[place]:
+                del by_line[place]
+            if not same_code(texts[file], mutant.applied(texts[file])):
+                yield file, mutant
