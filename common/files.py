@@ -1,6 +1,7 @@
 """Files written whole or not at all."""
 
 import os
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,8 @@ def atomically(path: Path, write: Callable[[Path], Any]) -> None:
     write : callable
         Writes it at the path it is given, in the same folder and with the same suffix.
     """
-    temporary = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
+    writer = f"{os.getpid()}-{threading.get_ident()}"
+    temporary = path.with_name(f".{path.stem}-{writer}{path.suffix}")
     try:
         write(temporary)
         temporary.replace(path)

@@ -13,10 +13,10 @@ from .memory_runs import memory_over_runs, MemoryOverRuns
 from .metrics import nrmse, squared_correlation
 from .orthonormal import state_rank
 from .recursive_least_squares import RecursiveLeastSquares
-from .ridge import fit_readout, predict_held_out
+from .ridge import predict_held_out
 
 if TYPE_CHECKING:
-    from .readouts import RecursiveLeastSquaresReadout, RidgeReadout
+    from .readouts import fit_readout, RecursiveLeastSquaresReadout, RidgeReadout
 
 __all__ = [
     "EchoStateNetwork",
@@ -44,14 +44,14 @@ __all__ = [
     "state_rank",
 ]
 
-_ESTIMATORS = ("RecursiveLeastSquaresReadout", "RidgeReadout")
+_OF_SCIKIT_LEARN = ("RecursiveLeastSquaresReadout", "RidgeReadout", "fit_readout")
 
 
 if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> Any:
         # scikit-learn takes a second to import, and whoever only steps an environment needs none of it.
-        if name in _ESTIMATORS:
+        if name in _OF_SCIKIT_LEARN:
             from . import readouts
 
             return getattr(readouts, name)
@@ -59,4 +59,4 @@ if not TYPE_CHECKING:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_ESTIMATORS})
+    return sorted({*globals(), *_OF_SCIKIT_LEARN})

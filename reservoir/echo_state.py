@@ -137,12 +137,12 @@ class EchoStateNetwork:
             Takes the next number of the signal and gives the state (nodes,) that has absorbed it.
         """
         recurrent, inward, bias = self._weights()
-        state = self.states(signal)[-1]
+        state = self.states(signal)[-1].copy()
 
         def step(value: float) -> _Array:
             nonlocal state
             state = (1 - self.leak) * state + self.leak * np.tanh(recurrent @ state + (value * inward + bias))
-            return state
+            return state.copy()
 
         return step
 

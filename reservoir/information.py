@@ -1,11 +1,9 @@
 """Information processing capacity: all that a linear readout can compute of the past input, function by function."""
 
-import math
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import chain, islice
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,20 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.validation import finite_array, known_names, number_within, whole_number
 from .bootstrap import usual_block
 from .decomposition import capacity_in_turn, intervals
+from .function_search import cutoff_of_surrogates, search
 from .orthonormal import of_usual_size, orthonormal_basis
-from .product_basis import count_terms, legendre_polynomials, products, Term, terms, walsh
+from .product_basis import legendre_polynomials, products, Term, walsh
 from .sensor_noise import with_sensor_noise
-from .significance import chance, effective_events, events_needed, tail_quantile, VALUES_FOR_A_TAIL
+from .significance import events_needed
 
 Array = NDArray[np.float64]
 Basis = Literal["walsh", "legendre"]
 Threshold = Literal["chi-squared", "surrogates"]
 
-# Numbers of a batch of products: a few megabytes.
-_BATCH = 2**19
-# Functions of a degree whose capacities are pooled over the shuffles.
-_POOLED = 500
-_SHUFFLES = 20
 # Samples per independent state below which it is said that there are few.
 _FEW = 10
 
@@ -264,11 +258,11 @@ def information_processing_capacity(
     cutoffs = [cutoff] * max_degree
     if threshold == "surrogates":
         cutoffs = [
-            max(cutoff, _of_surrogates(q, functions, start, d, reach[d - 1], surrogates, seed, significance))
+            max(cutoff, cutoff_of_surrogates(q, functions, start, d, reach[d - 1], surrogates, seed, significance))
             for d in range(1, len(reach) + 1)
         ]
     needed_events = events_needed(functions, significance)
-    found = _search(q, functions, start, reach, cutoffs, patience, budget, significance, needed_events)
+    found = search(q, functions, start, reach, cutoffs, patience, budget, significance, needed_events)
     if found.rare:
         warnings.warn(
             f"{found.rare} functions explain more than chance, but on fewer than {needed_events:.0f} effective "
@@ -296,97 +290,6 @@ def information_processing_capacity(
         tried=found.tried,
         reach=found.reach,
     )
-
-
-class _Found(NamedTuple):
-    terms: list[Term]
-    tried: dict[int, int]
-    reach: dict[int, int]
-    left: list[int]
-    rare: int
-
-
-def _search(
-    q: Array,
-    functions: Array,
-    start: int,
-    reach: list[int],
-    cutoffs: list[float],
-    patience: int,
-    budget: int,
-    significance: float,
-    needed_events: float,
-) -> _Found:
-    found = _Found([], {}, {}, [], 0)
-    highest = len(functions)
-    rare = 0
-    for degree, (delays, cutoff) in enumerate(zip(reach, cutoffs, strict=True), 1):
-        found.tried[degree], found.reach[degree] = 0, -1
-        quiet = 0
-        for latest in range(delays):
-            count = count_terms(degree, latest, highest)
-            if sum(found.tried.values()) + count > budget:
-                found.left.append(degree)
-                break
-            passed = 0
-            window = terms(degree, latest, highest)
-            for batch, capacity, rows in _capacities(q, functions, start, window):
-                likely = np.flatnonzero(capacity > cutoff)
-                if len(likely):
-                    own = chance(q, rows[likely], significance, capacity[likely]).cutoff
-                    likely = likely[capacity[likely] > own]
-                    seen = effective_events(q, rows[likely]) > needed_events
-                    rare += int((~seen).sum())
-                    likely = likely[seen]
-                found.terms.extend(batch[i] for i in likely)
-                passed += len(likely)
-            found.tried[degree] += count
-            found.reach[degree] = latest
-            # The first bits have no product of many.
-            quiet = 0 if passed else quiet + (count > 0)
-            if quiet >= patience:
-                break
-    return found._replace(rare=rare)
-
-
-def _capacities(
-    q: Array, functions: Array, start: int, wanted: Iterator[Term]
-) -> Iterator[tuple[list[Term], Array, Array]]:
-    size = max(1, _BATCH // len(q))
-    while batch := list(islice(wanted, size)):
-        rows = products(functions, batch, start)
-        variance = np.vecdot(rows, rows) - rows.sum(axis=1) ** 2 / rows.shape[1]
-        projected = rows @ q
-        explained = np.vecdot(projected, projected)
-        yield batch, np.divide(explained, variance, out=np.zeros_like(explained), where=variance > 0), rows
-
-
-def _of_surrogates(
-    q: Array,
-    functions: Array,
-    start: int,
-    degree: int,
-    delays: int,
-    surrogates: int | None,
-    seed: int,
-    significance: float,
-) -> float:
-    highest = len(functions)
-    pooled = list(islice(chain.from_iterable(terms(degree, latest, highest) for latest in range(delays)), _POOLED))
-    if not pooled:
-        return 1.0
-    needed = math.ceil(max(VALUES_FOR_A_TAIL, 0.01 / significance) / len(pooled))
-    shuffles = max(_SHUFFLES, needed) if surrogates is None else surrogates
-    if shuffles < needed:
-        raise ValueError(
-            f"surrogates must be {needed} at least for a significance of {significance:g} with {len(pooled)} functions "
-            f"of degree {degree}, got {shuffles}"
-        )
-    orders = (np.random.default_rng([seed, i]).permutation(functions.shape[1]) for i in range(shuffles))
-    values = [
-        capacity for order in orders for _, capacity, _ in _capacities(q, functions[:, order], start, iter(pooled))
-    ]
-    return tail_quantile(np.concatenate(values), significance)
 
 
 def _delays_by_degree(delays: int | Sequence[int], max_degree: int) -> list[int]:

@@ -190,7 +190,8 @@ def _last_state(reservoir: Callable[[Array], ArrayLike], stream: Array) -> Array
     states = finite_array("the reservoir's states", reservoir(stream.copy()), 2)
     if len(states) != len(stream):
         raise ValueError(f"the reservoir must return a row of states an input, {len(stream)}, got {len(states)}")
-    return states[-1]
+    # A reservoir may write all its states into one array.
+    return states[-1].copy()
 
 
 def _singular_values(states: Array) -> Array:

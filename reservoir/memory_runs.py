@@ -67,7 +67,7 @@ def memory_over_runs(memories: Sequence[MemoryCapacity], confidence: float = 0.9
     at_delays = [mean_over_runs(values, confidence, bounds=(0.0, 1.0)) for values in profiles]
     # Less what chance adds, a total is no more than the rank.
     return MemoryOverRuns(
-        delays=runs[0].delays,
+        delays=runs[0].delays.copy(),
         profile=np.array([at.mean for at in at_delays]),
         profile_interval=np.array([[at.low for at in at_delays], [at.high for at in at_delays]]),
         total=total,

@@ -147,15 +147,11 @@ class Centred(NamedTuple):
     Attributes
     ----------
     states : ndarray of shape (samples, features)
-    origin : ndarray of shape (features,)
-        Subtracted first. It is the first sample: a difference from a neighbour is exact or nearly so, and a column
-        that never moves becomes exactly zero.
     mean : ndarray of shape (features,)
-        Of what was left, and subtracted next.
+        Of what the first sample leaves of them.
     """
 
     states: Array
-    origin: Array
     mean: Array
 
 
@@ -170,11 +166,12 @@ def centre(states: Array) -> Centred:
     -------
     Centred
     """
+    # A difference from a neighbour is exact or nearly so, and a column that never moves becomes exactly zero.
     moved = states - states[0]
     # As a product, which is a third of the cost of `mean` along the rows.
     mean = np.full(len(moved), 1 / len(moved)) @ moved
     moved -= mean
-    return Centred(moved, states[0], mean)
+    return Centred(moved, mean)
 
 
 def orthonormal_basis(states: Array) -> Array:

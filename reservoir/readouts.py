@@ -15,7 +15,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from ..common.validation import finite_array, number_within
 from .orthonormal import centre, of_usual_size
 from .recursive_least_squares import RecursiveLeastSquares
-from .ridge import affine_weights, penalty_on_weights, singular_vectors
+from .ridge import affine_weights, penalty_on_weights, RIDGE, singular_vectors, states_and_targets
 
 Array = NDArray[np.float64]
 
@@ -147,11 +147,51 @@ class RidgeReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     def _candidates(self) -> Array:
         if self.penalty is None:
-            return _PENALTIES
-        candidates = finite_array("penalty", self.penalty, 1)
+            return _PENALTIES.copy()
+        candidates = finite_array("penalty", self.penalty, 1).copy()
         if candidates.min() < 0:
             raise ValueError(f"penalty must hold numbers in [0, inf), got {candidates.min()}")
         return candidates
+
+
+def fit_readout(
+    states: ArrayLike, targets: ArrayLike, *, ridge: float = RIDGE, fit_intercept: bool = True
+) -> RidgeReadout:
+    """Fit one readout for all targets in a single solve.
+
+    Without an intercept this is equation (11) of the paper, with the N states R and the targets Y as columns::
+
+        W_out = Y R^T (R R^T + ridge tr(R R^T) / N I)^-1
+
+    R R^T squares the condition number, and states sampled within one hold of the valve are close to collinear, so
+    it is solved in an orthonormal basis of the states.
+
+    Parameters
+    ----------
+    states : array_like of shape (samples, features)
+        Row k is the state after input k was absorbed.
+    targets : array_like of shape (samples,) or (samples, outputs)
+        What the readout is to report at the same instants.
+    ridge : float, in [0, inf)
+        Penalty on the squared weights, relative to the sum of squares of a typical feature (of its deviations, with an
+        intercept): see `stickslip.reservoir.ridge.penalty_on_weights`. Zero gives the least-squares solution of least
+        norm.
+    fit_intercept : bool
+        Whether to learn an unpenalized constant beside the weights.
+
+    Returns
+    -------
+    RidgeReadout
+        Fitted; ``coef_`` is W_out, of shape (outputs, features), or (features,) for a single output.
+
+    Raises
+    ------
+    ValueError
+        If an array has a wrong shape or is not finite, the lengths differ, or `ridge` is out of range.
+    """
+    x, y = states_and_targets(states, targets)
+    penalty = number_within("ridge", ridge, "[0, inf)")
+    return RidgeReadout(penalty, fit_intercept=fit_intercept).fit(x, y)
 
 
 class RecursiveLeastSquaresReadout(MultiOutputMixin, RegressorMixin, BaseEstimator):

@@ -1,9 +1,6 @@
 """The linear readout: ridge regression from reservoir states to targets."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -12,12 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.validation import finite_array, number_within
 from .orthonormal import Array, centre, of_usual_size, repaired, whitening
 
-if TYPE_CHECKING:
-    from .readouts import RidgeReadout
-
 # A share such as 0.3 is not exact in binary; a count that misses a whole number by this much is that number.
 _ROUNDING = 1e-9
-
 
 RIDGE = 1e-9
 """The penalty unless another is chosen. A score that moves when it is ten times less is one that noise will take."""
@@ -42,48 +35,6 @@ def penalty_on_weights(ridge: float, squares: float, features: int) -> float:
     float
     """
     return ridge * squares / features
-
-
-def fit_readout(
-    states: ArrayLike, targets: ArrayLike, *, ridge: float = RIDGE, fit_intercept: bool = True
-) -> RidgeReadout:
-    """Fit one readout for all targets in a single solve.
-
-    Without an intercept this is equation (11) of the paper, with the N states R and the targets Y as columns::
-
-        W_out = Y R^T (R R^T + ridge tr(R R^T) / N I)^-1
-
-    R R^T squares the condition number, and states sampled within one hold of the valve are close to collinear, so
-    it is solved in an orthonormal basis of the states.
-
-    Parameters
-    ----------
-    states : array_like of shape (samples, features)
-        Row k is the state after input k was absorbed.
-    targets : array_like of shape (samples,) or (samples, outputs)
-        What the readout is to report at the same instants.
-    ridge : float, in [0, inf)
-        Penalty on the squared weights, relative to the sum of squares of a typical feature (of its deviations, with an
-        intercept): see `penalty_on_weights`. Zero gives the least-squares solution of least norm.
-    fit_intercept : bool
-        Whether to learn an unpenalized constant beside the weights.
-
-    Returns
-    -------
-    RidgeReadout
-        Fitted; ``coef_`` is W_out, of shape (outputs, features), or (features,) for a single output.
-
-    Raises
-    ------
-    ValueError
-        If an array has a wrong shape or is not finite, the lengths differ, or `ridge` is out of range.
-    """
-    # Imported here because scikit-learn takes a second, and whoever only steps an environment needs none of it.
-    from .readouts import RidgeReadout
-
-    x, y = states_and_targets(states, targets)
-    penalty = number_within("ridge", ridge, "[0, inf)")
-    return RidgeReadout(penalty, fit_intercept=fit_intercept).fit(x, y)
 
 
 def states_and_targets(states: ArrayLike, targets: ArrayLike) -> tuple[Array, Array]:
@@ -199,7 +150,7 @@ def leave_one_out(states: Array, targets: Array, ridge: float, fit_intercept: bo
     states : ndarray of shape (samples, features)
     targets : ndarray of shape (samples, outputs)
     ridge : float, in [0, inf)
-        As in `fit_readout`.
+        As in `stickslip.reservoir.fit_readout`.
     fit_intercept : bool
 
     Returns
@@ -278,7 +229,7 @@ def predict_held_out(
     holdout : float, in (0, 1)
         Share of the samples, at the end, that is predicted.
     ridge, fit_intercept
-        As in `fit_readout`.
+        As in `stickslip.reservoir.fit_readout`.
 
     Returns
     -------
@@ -303,7 +254,7 @@ def predict_held_out(
     weights, constant = affine_weights(x[:train], y[:train].reshape(train, -1), ridge, fit_intercept)
     # Moved before it is multiplied, or the digits of a large offset would cancel after.
     prediction = (x[train:] - x[0]) @ weights + constant
-    return prediction.reshape(y[train:].shape), y[train:]
+    return prediction.reshape(y[train:].shape), y[train:].copy()
 
 
 def affine_weights(x: Array, y: Array, ridge: float, fit_intercept: bool) -> tuple[Array, Array]:
@@ -314,7 +265,7 @@ def affine_weights(x: Array, y: Array, ridge: float, fit_intercept: bool) -> tup
     x : ndarray of shape (samples, features)
     y : ndarray of shape (samples, outputs)
     ridge : float, in [0, inf)
-        As in `fit_readout`.
+        As in `stickslip.reservoir.fit_readout`.
     fit_intercept : bool
         If not, the readout is linear: its constant is ``x[0] @ weights``.
 
