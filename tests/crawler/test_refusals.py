@@ -240,3 +240,208 @@ def test_a_start_beyond_all_bounds_is_named():
 def test_a_grip_beyond_measure_is_not_blamed_for_what_it_does_not_do():
     with pytest.raises(SolverError, match=r"too stiff for this solver; take solver='radau'"):
         simulate({"static_friction": 1e20, "damping_ratio": 1e4}, [1, 0], 1000.0, solver="taylor", max_steps=400)
+
+
+# What is said of a spent budget, word by word
+
+
+TOLD = re.compile(
+    r"the step budget of (?P<budget>\d+) was spent at time (?P<time>[-+.\de]+) \(z = (?P<z>[-+.\de]+)\) by solver "
+    r"'(?P<solver>\w+)' at tolerance (?P<tolerance>[-+.\de]+): (?P<cause>.*); take (?P<remedies>.*); "
+    r"with (?P<groups>.*)"
+)
+STIFF = ", which is too stiff for this solver"
+STIFF_REMEDIES = "solver='radau', a larger max_steps, a looser tolerance, or less of that"
+SWING_REMEDIES = "a larger max_steps, a looser tolerance, or a shorter schedule"
+DAMPED, UNDAMPED = {"damping_ratio": 1e4}, {"damping_ratio": 0.0, "foot_mass_fraction": 1.0 - 1e-6}
+# Groups, schedule, hold, options, what is fastest and over which foot, the end of the cause, and the remedies.
+SPENT = {
+    "damping": (DAMPED, [1], 100.0, {"max_steps": 2000, "solver": "taylor"}, "damping sliding", STIFF, STIFF_REMEDIES),
+    "damping, L-stable": (
+        DAMPED,
+        [1],
+        100.0,
+        {"max_steps": 5, "solver": "radau", "tolerance": 1e-6},
+        "damping sliding",
+        "",
+        "a larger max_steps, a looser tolerance, or less of that",
+    ),
+    "damping, anchored": (
+        DAMPED,
+        [1, 0],
+        100.0,
+        {"max_steps": 2000, "solver": "taylor", "scene": {"anchored": True}},
+        "damping resting",
+        STIFF,
+        STIFF_REMEDIES,
+    ),
+    "swings": (
+        UNDAMPED,
+        [1, 0],
+        9.0,
+        {"max_steps": 20_000, "solver": "taylor"},
+        "spring sliding",
+        "swings",
+        SWING_REMEDIES,
+    ),
+    "swings, L-stable": (
+        UNDAMPED,
+        [1],
+        1000.0,
+        {"max_steps": 2000, "solver": "radau"},
+        "spring sliding",
+        "swings",
+        SWING_REMEDIES,
+    ),
+    "swings, anchored": (
+        {"duffing": 1e5},
+        [1, 0] * 4,
+        20.0,
+        {"max_steps": 500, "scene": {"anchored": True}},
+        "spring resting",
+        "swings",
+        SWING_REMEDIES,
+    ),
+    "closed form": (
+        "linear",
+        [1, 0] * 4,
+        2.0,
+        {"max_steps": 50},
+        "spring sliding",
+        "swings",
+        "a larger max_steps, or a shorter schedule",
+    ),
+    "lag": ({"deborah": 1e-5}, [1, 0] * 99, 2.0, {"max_steps": 500}, "lag", STIFF, STIFF_REMEDIES),
+    "too few": (
+        {"damping_ratio": 0.0},
+        [1],
+        3.0,
+        {"max_steps": 2},
+        "spring sliding",
+        "",
+        "a larger max_steps, a looser tolerance, or less of that",
+    ),
+    "chain": (
+        {},
+        [1, 0] * 4,
+        20.0,
+        {"max_steps": 50, "scene": {"segments": 3, "tube_mass": 0.25}},
+        "spring sliding",
+        "swings",
+        f"fewer segments than 3, more tube_mass than 0.25, {SWING_REMEDIES}",
+    ),
+}
+
+
+def fastest(kind, groups, z):
+    """Name and rate of the body's fastest motion about a stretch, by the equations of motion."""
+    name, _, foot = kind.partition(" ")
+    r = groups.foot_mass_fraction
+    mass = 1.0 - r if foot == "resting" else r * (1.0 - r)
+    return {
+        "lag": ("the lag of the fluid (deborah)", 1.0 / groups.deborah),
+        "damping": (
+            f"the damping over a {foot} foot (damping_ratio, foot_mass_fraction)",
+            2 * groups.damping_ratio / mass,
+        ),
+        "spring": (
+            f"the spring over a {foot} foot (duffing, foot_mass_fraction)",
+            np.sqrt((1.0 + 3.0 * groups.duffing * z**2) / mass),
+        ),
+    }[name]
+
+
+@pytest.mark.parametrize("name", SPENT)
+def test_a_spent_budget_word_by_word(name):
+    choice, valve, hold, options, kind, cause, remedies = SPENT[name]
+    groups = Groups.of(choice)
+    told = TOLD.fullmatch(refusal(choice, valve, hold, **options))
+    assert int(told["budget"]) == options["max_steps"]
+    assert float(told["tolerance"]) == options.get("tolerance", 1e-9)
+    assert told["solver"] == options.get("solver", "closed_form" if choice == "linear" else "taylor")
+    assert told["remedies"] == remedies
+    assert told["groups"] == str(groups)
+    time, z = float(told["time"]), float(told["z"])
+    assert 0.0 < time < hold * len(valve)
+    # Where the body was then, by a run that may take as long as it needs.
+    holds, rest = divmod(time, hold)
+    arguments = {key: value for key, value in options.items() if key in ("scene", "tolerance")}
+    state = None
+    if holds:
+        state = simulate(choice, valve[: int(holds)], hold, solver="auto", **arguments).final_state
+    if rest:
+        there = simulate(choice, [valve[int(holds)]], rest, solver="auto", initial=state, **arguments)
+        state = there.final_state
+        assert there.deformation[-1] == pytest.approx(z, abs=2e-3)
+    called, rate = fastest(kind, groups, z)
+    said = re.fullmatch(r"(.*) acts at a rate of ([-+.\de]+) per unit of time(.*)", told["cause"])
+    assert said[1] == called
+    assert float(said[2]) == pytest.approx(rate, rel=1e-2)
+    if cause == "swings":
+        swings = re.fullmatch(r": ([-+.\de]+) real swings so far, which no solver may skip", said[3])
+        assert float(swings[1]) == pytest.approx(rate * time / (2.0 * np.pi), rel=1e-2)
+    else:
+        assert said[3] == cause
+
+
+@pytest.mark.parametrize(("factor", "blamed"), [(0.5, False), (0.97, False), (1.03, True), (2.0, True)])
+def test_slips_are_many_where_they_are_ten_a_swing(factor, blamed):
+    span = 30.0
+    _, rate = fastest("spring sliding", Groups(damping_ratio=0.0), 0.5)
+    swings = rate * span / (2.0 * np.pi)
+    error = solver_error(
+        OUT_OF_STEPS,
+        time=100.0 + span,
+        deformation=0.5,
+        steps=10**6,
+        groups=Groups(damping_ratio=0.0),
+        scene=Scene(),
+        tolerance=1e-6,
+        solver="taylor",
+        slips=int(factor * 10.0 * (1.0 + swings)),
+        began=100.0,
+    )
+    assert ("slips have accumulated" in str(error)) == blamed
+    if blamed:
+        assert f"{int(factor * 10.0 * (1.0 + swings)) / (1.0 + swings):.3g} in the time of a swing" in str(error)
+
+
+@pytest.mark.parametrize("name", ["deborah", "foot_mass_fraction", "damping_ratio", "duffing"])
+@pytest.mark.parametrize(("decades", "absurd"), [(14.5, False), (15.5, True)])
+def test_a_group_is_absurd_fifteen_decades_from_one(name, decades, absurd):
+    value = 10.0 ** (-decades if name in ("deborah", "foot_mass_fraction") else decades)
+    groups = Groups(**{name: value})
+    error = solver_error(OUT_OF_STEPS, 1.0, 0.5, 100, groups, Scene(), 1e-6, "taylor")
+    assert (f"{name} = {value!r} makes it faster than any solver follows" in str(error)) == absurd
+    assert str(error).endswith(f"with {groups}")
+    diverged = solver_error(DIVERGED, 1.0, 0.5, 100, groups, Scene(), 1e-6, "taylor")
+    assert (f"{name} = {value!r} leaves floating-point numbers no digits for the rest" in str(diverged)) == absurd
+
+
+def test_a_divergence_word_by_word():
+    says = refusal({"duffing": 0.0, "radial_coupling": 2.0}, [1], 1e3)
+    told = re.fullmatch(
+        r"the motion diverged at time ([.\d]+) \(z = ([.\de+]+)\): a body with radial_coupling > 1 needs duffing > 0, "
+        r"with (Groups\(.*\))",
+        says,
+    )
+    # Resting, it grows as e^(a t) with (1 - r) a^2 + 2 Pi2 a = 1: in some 12 ln 10 / a units of time to 1e12.
+    assert 1e9 < float(told[2]) < 1e12
+    assert 20.0 < float(told[1]) < 35.0
+    assert told[3] == str(Groups(duffing=0.0, radial_coupling=2.0))
+    fast = refusal({"static_friction": 0.0, "kinetic_friction": 0.0}, [1], 1.0, initial=State(0.0, 1e13))
+    assert fast == (
+        "the motion diverged at time 0 (z = 0): it began too far or too fast, and left the 1e+12 natural units within "
+        f"which a body is followed, with {Groups(static_friction=0.0, kinetic_friction=0.0)}"
+    )
+
+
+@pytest.mark.parametrize("solver", ["closed_form", "taylor", "radau"])
+def test_a_body_is_followed_up_to_1e12_units(solver):
+    """Anchored, linear and undamped it swings with z^2 + (1 - r) v^2 constant."""
+    groups = {"duffing": 0.0, "radial_coupling": 0.0, "damping_ratio": 0.0, "foot_mass_fraction": 0.5}
+    arguments = {"scene": {"anchored": True}, "solver": solver, "tolerance": 1e-3}
+    far = simulate(groups, [0], 0.25, initial=State(3e11), **arguments)
+    assert far.deformation[-1] == pytest.approx(3e11 * np.cos(0.25 * np.sqrt(2.0)), rel=1e-9)
+    with pytest.raises(SolverError, match=r"^the motion diverged at time 0 "):
+        simulate(groups, [0], 0.25, initial=State(3e12), **arguments)
