@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip.crawler import Groups, Scene
+from stickslip.crawler import Groups, Scene, simulate
+from stickslip.reservoir import memory_capacity
 from stickslip.train.schedules import necklaces, pareto_front, performance, repeat
 
 
@@ -18,6 +19,32 @@ def test_there_is_one_word_for_each_schedule():
     assert [sum(len(word) == n for word in words) for n in range(1, 10)] == [moreau(n) for n in range(1, 10)]
     endless = {min((word * 2520)[shift : shift + 2520] for shift in range(len(word))) for word in words[:40]}
     assert len(endless) == 40
+
+
+def test_words_are_written_with_the_ones_in_front_and_the_shorter_come_first():
+    assert list(necklaces(4)) == ["1", "0", "10", "110", "100", "1110", "1100", "1000"]
+    assert all(word == max(word[shift:] + word[:shift] for shift in range(len(word))) for word in necklaces(8))
+
+
+@pytest.mark.parametrize("longest", [0, 1.0])
+def test_a_length_that_is_none_is_refused(longest):
+    with pytest.raises((ValueError, TypeError), match=f"longest must be a whole number >= 1, got {longest}"):
+        list(necklaces(longest))
+
+
+def test_flips_are_those_of_their_seed():
+    command, valve = repeat("10", 400, dither=0.25, seed=5)
+    flips = np.random.default_rng(5).random(400) < 0.25
+    assert command.tolist() == [1, 0] * 200
+    assert np.array_equal(valve, np.where(flips, 1 - command, command))
+    assert not np.array_equal(valve, repeat("10", 400, dither=0.25, seed=6)[1])
+    assert np.array_equal(repeat("10", 400, dither=0.25)[1], repeat("10", 400, dither=0.25, seed=0)[1])
+
+
+@pytest.mark.parametrize(("word", "holds"), [("10", 0), ("10", 2.0)])
+def test_holds_that_are_none_are_refused(word, holds):
+    with pytest.raises((ValueError, TypeError), match=f"holds must be a whole number >= 1, got {holds}"):
+        repeat(word, holds)
 
 
 def test_a_word_is_repeated_and_flipped_at_the_rate_asked_for():
@@ -43,6 +70,53 @@ def test_the_best_open_loop_speed_is_the_one_stated():
     distance = speed("11100", 10_000) * 5_000 - speed("11100", 5_000) * 2_500
     assert distance / 2_500 == pytest.approx(1.0615, abs=1e-4)
     assert max(necklaces(7), key=lambda word: speed(word, 1_000)) == "11100"
+
+
+CHANGES = {
+    "nothing": {},
+    "groups": {"groups": {"deborah": 0.8}},
+    "hold": {"hold": 0.7},
+    "scene": {"scene": Scene(ratchet=False, slope=0.05)},
+    "delays": {"delays": 3},
+    "virtual_nodes": {"virtual_nodes": 2},
+    "tolerance": {"tolerance": 1e-3},
+    "dither": {"dither": 0.2},
+}
+
+
+def by_hand(command, valve, *, dither, groups, hold, scene, delays=20, virtual_nodes=4, tolerance=1e-6):
+    """Speed and memory from readings put in a row a hold, and from the message as its formula has it."""
+    motion = simulate(groups, valve, hold, scene=scene, tolerance=tolerance, samples_per_hold=virtual_nodes)
+    states = np.column_stack(
+        [
+            reading[node::virtual_nodes]
+            for reading in (motion.deformation, motion.velocity, motion.pressure)
+            for node in range(virtual_nodes)
+        ]
+    )
+    message = valve - ((1 - dither) * command + dither * (1 - command))
+    return motion.foot[-1] / motion.time[-1], memory_capacity(states, message, range(delays)).profile
+
+
+@pytest.mark.parametrize("changed", CHANGES)
+def test_every_argument_has_its_effect_on_speed_and_memory(changed):
+    command, valve = repeat("110", 2000, dither=0.1, seed=2)
+    usual = {"dither": 0.1, "groups": Groups(), "hold": 0.5, "scene": Scene()}
+    asked = usual | CHANGES[changed]
+    result = performance(command, valve, **asked)
+    speed, profile = by_hand(command, valve, **asked)
+    assert result.speed == pytest.approx(speed, rel=1e-12)
+    np.testing.assert_allclose(result.memory.profile, profile, rtol=0, atol=1e-9)
+    if changed != "nothing":
+        before = performance(command, valve, **usual)
+        assert (result.speed, result.memory.profile.tolist()) != (before.speed, before.memory.profile.tolist())
+
+
+@pytest.mark.parametrize("dither", [-0.1, 0.6, float("nan")])
+def test_a_dither_that_is_no_probability_is_refused(dither):
+    command = np.array([1, 0])
+    with pytest.raises(ValueError, match=r"dither must be in \[0, 0.5\]"):
+        performance(command, command, dither=dither, groups=Groups(), hold=0.5, scene=Scene())
 
 
 def test_memory_is_measured_where_there_are_flips_only():
