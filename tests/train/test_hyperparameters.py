@@ -2,7 +2,7 @@
 
 import pytest
 
-from stickslip.train.hyperparameters import read_hyperparameters, resolve
+from stickslip.train.hyperparameters import linear_schedule, read_hyperparameters, resolve
 from stickslip.train.run import ALGORITHMS
 
 ID = "StickSlipCrawler-v0"
@@ -31,6 +31,37 @@ def test_numbers_that_yaml_takes_for_text_are_numbers():
     }
 
 
+def test_every_schedule_is_understood_and_a_mapping_is_taken_as_it_is():
+    names = ("learning_rate", "clip_range", "clip_range_vf")
+    resolved = resolve(dict.fromkeys(names, "lin_4e-1") | {"policy_kwargs": {"net_arch": [3]}, "other": "lin_1"})
+    assert [resolved[name](0.25) for name in names] == [0.1] * 3
+    assert resolved["policy_kwargs"] == {"net_arch": [3]}
+    assert resolved["other"] == "lin_1"
+    assert linear_schedule(2.0)(0.75) == 1.5
+
+
+def test_a_file_of_one_s_own_is_read_instead_of_the_packaged_one(tmp_path):
+    file = tmp_path / "mine.yml"
+    file.write_text(f"{ID}: {{n_envs: 3, n_timesteps: !!float 2e3, policy: p, gamma: 0.5}}\nOther-v1: {{}}\n", "utf-8")
+    assert read_hyperparameters("ppo", ID, file) == {"n_envs": 3, "n_timesteps": 2000, "policy": "p", "gamma": 0.5}
+    assert isinstance(read_hyperparameters("ppo", ID, file)["n_timesteps"], int)
+    file.write_text(f"{ID}: {{n_envs: 1, n_timesteps: 1, policy: p}}", "utf-8")
+    assert read_hyperparameters("ppo", ID, file)["n_envs"] == 1
+
+
+def test_what_is_no_text_is_refused(tmp_path):
+    file = tmp_path / "mine.yml"
+    file.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ValueError, match=r"hyperparameters file .*mine\.yml must be YAML, it is not text"):
+        read_hyperparameters("ppo", ID, file)
+
+
+@pytest.mark.parametrize("name", ["env", "seed", "device", "tensorboard_log", "verbose"])
+def test_what_a_run_sets_itself_is_refused(name):
+    with pytest.raises(ValueError, match=f"hyperparameters must not set {name}: the run sets it"):
+        resolve({name: 1})
+
+
 def test_what_was_read_is_left_as_it_was():
     entry = {"learning_rate": "lin_0.002"}
     resolve(entry)
@@ -47,6 +78,10 @@ def test_what_was_read_is_left_as_it_was():
         ({"clip_range": "lin_-1"}, "clip_range must be a number or lin_<number>"),
         ({"policy_kwargs": "dict(x=__import__('os'))"}, "policy_kwargs must be a mapping or dict"),
         ({"policy_kwargs": "open('x')"}, "policy_kwargs must be a mapping or dict"),
+        ({"learning_rate": "lin_0"}, "learning_rate must be a number or lin_<number>, got 'lin_0'"),
+        ({"clip_range_vf": "lin_x"}, "clip_range_vf must be a number or lin_<number>, got 'lin_x'"),
+        ({"policy_kwargs": "dict([1])"}, "policy_kwargs must be a mapping or dict"),
+        ({"policy_kwargs": "list(a=1)"}, "policy_kwargs must be a mapping or dict"),
         ({"policy_kwargs": "dict("}, "policy_kwargs must be a mapping or dict"),
     ],
 )
@@ -62,6 +97,14 @@ def test_what_cannot_be_understood_is_refused(entry, message):
         ("- 1", "must have an entry StickSlipCrawler-v0"),
         ("CartPole-v1: {n_envs: 1}", r"must have an entry StickSlipCrawler-v0, it has \['CartPole-v1'\]"),
         (f"{ID}: {{n_envs: 1, n_timesteps: 10}}", "must set policy"),
+        (f"{ID}: {{n_timesteps: 10, policy: p}}", "must set n_envs for StickSlipCrawler-v0, it sets"),
+        (f"{ID}: {{n_envs: 1, policy: p}}", "must set n_timesteps"),
+        (f"{ID}: {{n_envs: 1, n_timesteps: 2.5, policy: p}}", "n_timesteps must be a whole number >= 1, got 2.5"),
+        (f"{ID}: {{n_envs: 1, n_timesteps: '9', policy: p}}", "n_timesteps must be a whole number >= 1, got '9'"),
+        (
+            f"{ID}: {{n_envs: 1, n_timesteps: 1.0e+15, policy: p}}",
+            "n_timesteps must be a whole number >= 1, got 1000000000000000.0",
+        ),
         (f"{ID}: {{n_envs: 0, n_timesteps: 10, policy: p}}", "n_envs must be a whole number >= 1, got 0"),
         (f"{ID}: {{n_envs: 1, n_timesteps: .nan, policy: p}}", "n_timesteps must be a whole number >= 1, got nan"),
         (f"{ID}: {{n_envs: .inf, n_timesteps: 1, policy: p}}", "n_envs must be a whole number >= 1, got inf"),

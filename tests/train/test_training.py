@@ -1,20 +1,24 @@
 """Training runs: what they keep, how they resume, and that they learn to crawl."""
 
+import shutil
 import time
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 import torch
 from sb3_contrib import RecurrentPPO
+from stable_baselines3 import PPO
 from stable_baselines3.common.save_util import load_from_pkl
+from stable_baselines3.common.vec_env import VecMonitor
 from threadpoolctl import threadpool_info
 
 from stickslip.crawler import SolverError
 from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.train import library_threads, StickSlipVecEnv
 from stickslip.train.evaluation import measure, roll_out
-from stickslip.train.hyperparameters import read_hyperparameters
+from stickslip.train.hyperparameters import read_hyperparameters, resolve
 from stickslip.train.report import evaluate_run
 from stickslip.train.run import ALGORITHMS, Configuration, Run
 from stickslip.train.training import load_policy, train
@@ -56,7 +60,14 @@ def test_a_run_keeps_its_configuration_checkpoints_evaluations_and_logs(short_ru
 
 
 @pytest.mark.parametrize(
-    ("arguments", "episodes"), [({}, 1), ({"randomize": {"slope": [0.0, 0.1]}}, 8), ({"dither": 0.1}, 8)], ids=str
+    ("arguments", "episodes"),
+    [
+        (SPEED, 1),
+        (SPEED | {"randomize": {"slope": [0.0, 0.1]}}, 8),
+        (SPEED | {"dither": 0.1}, 8),
+        ({}, 8),  # flips are the environment's own choice
+    ],
+    ids=str,
 )
 def test_an_evaluation_has_one_episode_only_where_all_are_alike(arguments, episodes, tmp_path):
     counts = []
@@ -66,7 +77,7 @@ def test_an_evaluation_has_one_episode_only_where_all_are_alike(arguments, episo
         return StickSlipVecEnv(count, **env_kwargs)
 
     asked = configuration(8, n_envs=2, n_steps=4, batch_size=8)
-    train(replace(asked, env_kwargs=SPEED | arguments), tmp_path / "run", vec_env=counted)
+    train(replace(asked, env_kwargs=arguments), tmp_path / "run", vec_env=counted)
     assert counts == [2, episodes]
 
 
@@ -90,11 +101,66 @@ def test_a_run_is_reproduced_by_its_seed(short_run, tmp_path):
     again = train(short_run.configuration, tmp_path / "again")
     other = train(replace(short_run.configuration, seed=1), tmp_path / "other")
 
-    def weights(run):
-        return torch.cat([value.flatten() for value in load_policy(run, run.final).policy.state_dict().values()])
+    expected, repeated, different = (weights(load_policy(run, run.final)) for run in (short_run, again, other))
+    assert torch.equal(repeated, expected)
+    assert not torch.equal(different, expected)
 
-    assert torch.equal(weights(again), weights(short_run))
-    assert not torch.equal(weights(other), weights(short_run))
+
+def weights(model):
+    return torch.cat([value.flatten() for value in model.policy.state_dict().values()])
+
+
+TRADE = {"memory_weight": 0.3, "dither": 0.1}
+SHORT = partial(StickSlipVecEnv, max_episode_steps=20)
+
+
+@pytest.fixture(scope="module")
+def flipped_run(tmp_path_factory):
+    """Three updates of PPO where the seed of the flips matters."""
+    asked = configuration(384, 5, n_envs=4, n_steps=32, batch_size=64, learning_rate="lin_0.01")
+    return train(replace(asked, env_kwargs=TRADE), tmp_path_factory.mktemp("runs") / "flipped", vec_env=SHORT)
+
+
+def by_hand(run, steps, checkpoint=None):
+    """The same training in Stable-Baselines3's own words."""
+    entry = resolve(run.configuration.hyperparameters)
+    environments = VecMonitor(SHORT(entry.pop("n_envs"), **TRADE))
+    environments.seed(run.configuration.seed)
+    del entry["n_timesteps"]
+    if checkpoint is None:
+        model = PPO(entry.pop("policy"), environments, seed=run.configuration.seed, device="cpu", **entry)
+        return model.learn(steps)
+    model = PPO.load(checkpoint, environments, device="cpu")
+    return model.learn(steps, reset_num_timesteps=False)
+
+
+def test_a_run_is_what_stable_baselines_learns_by_itself(flipped_run):
+    expected = by_hand(flipped_run, 384)
+    assert torch.equal(weights(load_policy(flipped_run, flipped_run.final)), weights(expected))
+
+
+def test_a_run_that_goes_on_is_what_stable_baselines_learns_from_its_checkpoint(flipped_run, tmp_path):
+    run = Run.create(tmp_path / "run", flipped_run.configuration)
+    shutil.copy(flipped_run.checkpoint(128), run.checkpoint(128))
+    train(run.configuration, run.folder, resume=True, vec_env=SHORT)
+    expected = by_hand(flipped_run, 256, flipped_run.checkpoint(128))
+    assert torch.equal(weights(load_policy(run, run.final)), weights(expected))
+    # It was gone on with, and not begun again.
+    assert load_policy(run, run.final).num_timesteps == expected.num_timesteps == 384
+    assert not torch.equal(weights(load_policy(run, run.final)), weights(load_policy(run, run.checkpoint(128))))
+
+
+def test_a_schedule_falls_over_all_the_steps_of_a_run(flipped_run, tmp_path):
+    def rates(run):
+        models = {int(file.name.split("_")[0]): load_policy(run, file) for file in run.folder.glob("checkpoints/*")}
+        return {steps: model.policy.optimizer.param_groups[0]["lr"] for steps, model in sorted(models.items())}
+
+    assert rates(flipped_run) == pytest.approx({128: 0.01 * 2 / 3, 256: 0.01 / 3, 384: 0.0})
+    folder = tmp_path / "longer"
+    shutil.copytree(flipped_run.folder, folder)
+    longer = {**flipped_run.configuration.hyperparameters, "n_timesteps": 768}
+    run = train(replace(flipped_run.configuration, hyperparameters=longer), folder, resume=True, vec_env=SHORT)
+    assert rates(run) == pytest.approx(rates(flipped_run) | {512: 0.01 / 3, 640: 0.01 / 6, 768: 0.0})
 
 
 def test_an_interrupted_run_goes_on_from_its_last_checkpoint(tmp_path):
@@ -131,6 +197,22 @@ SMALL = {
 }
 
 
+def assert_made_as_asked_for(model, asked):
+    """Every hyperparameter is as in a model that Stable-Baselines3 makes of it."""
+    entry = resolve(asked.hyperparameters)
+    del entry["n_timesteps"]
+    batch = StickSlipVecEnv(entry.pop("n_envs"), **SPEED)
+    assert model.n_envs == batch.num_envs
+    expected = type(model)(entry.pop("policy"), batch, seed=asked.seed, device="cpu", **entry)
+    assert (type(model).__name__.lower(), model.seed) == (asked.algorithm.replace("_", ""), asked.seed)
+    assert type(model.policy) is type(expected.policy)
+    for name in entry:
+        value, other = getattr(model, name), getattr(expected, name)
+        if callable(value):  # a schedule
+            value, other = ([each(progress) for progress in (1.0, 0.4)] for each in (value, other))
+        assert value == other, name
+
+
 @pytest.mark.parametrize("algorithm", SMALL)
 def test_every_algorithm_is_interrupted_resumed_and_evaluated(tmp_path, algorithm):
     whole = configuration(384, algorithm=algorithm, **SMALL[algorithm])
@@ -141,11 +223,15 @@ def test_every_algorithm_is_interrupted_resumed_and_evaluated(tmp_path, algorith
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        train(whole, folder, on_progress=crash)
+        train(whole, folder, on_progress=crash, vec_env=SHORT)
     done = []
-    run = train(whole, folder, resume=True, on_progress=done.append)
+    run = train(whole, folder, resume=True, on_progress=done.append, vec_env=SHORT)
     assert done[0] > 100
-    assert load_policy(run, run.final).num_timesteps == 384
+    assert done[-1] == 384
+    model = load_policy(run, run.final)
+    assert model.num_timesteps == 384
+    assert_made_as_asked_for(model, whole)
+    assert {path.name.rpartition("_")[0] for path in (folder / "tensorboard").iterdir()} == {algorithm}
     assert set(evaluate_run(folder, steps=1000, video=False)["commands"]) <= {"0", "1"}
     if run.replay_buffer.exists():
         # What was kept at the last checkpoint before the crash, and all since.
@@ -336,6 +422,20 @@ def test_the_shipped_hyperparameters_crawl_near_the_optimum(tmp_path, seed):
     assert speed >= 0.95 * BEST_OPEN_LOOP
     # The promise of the command, with the seconds it took in the message should it be broken.
     assert elapsed <= 90.0, f"seed {seed} took {elapsed:.0f} s"
+
+
+def test_threads_are_as_many_as_asked_for_and_given_back_after_a_failure():
+    before, within = torch.get_num_threads(), []
+
+    def fail():
+        with library_threads(3):
+            within.append(torch.get_num_threads())
+            raise RuntimeError("within")
+
+    with pytest.raises(RuntimeError, match="within"):
+        fail()
+    assert within == [3]
+    assert torch.get_num_threads() == before
 
 
 @pytest.mark.parametrize("count", [0, 1.5])

@@ -135,6 +135,39 @@ def test_nothing_returned_is_overwritten():
     assert_same(returned, kept)
 
 
+def test_what_is_done_to_what_was_returned_changes_nothing_that_follows():
+    touched, left = (StickSlipVecEnv(3, max_episode_steps=4, **DRAWN) for _ in range(2))
+    for each in (touched, left):
+        each.seed(0)
+    assert_same(touched.reset(), left.reset())
+    for k in range(10):
+        actions = np.full(3, k % 2)
+        answer, expected = touched.step(actions), left.step(actions.copy())
+        assert_same(answer, expected, f"step {k}")
+        actions[:] = 7
+        for array in answer[:3]:
+            array[:] = 0
+        for info in answer[3]:
+            info["groups"]["duffing"] = -1.0
+            if "terminal_observation" in info:
+                info["terminal_observation"][:] = -1.0
+            info.clear()
+        assert_same(touched.reset_infos, left.reset_infos)
+        for info in touched.reset_infos:
+            info["groups"]["damping_ratio"] = -1.0
+        assert touched.get_attr("episode_groups") == left.get_attr("episode_groups")
+        touched.reset_infos[:] = copy.deepcopy(left.reset_infos)
+
+
+def test_actions_are_those_that_were_given():
+    early, late = StickSlipVecEnv(2), StickSlipVecEnv(2)
+    for each in (early, late):
+        each.seed(0)
+        each.reset()
+    early.step_async(np.array([1, 0]))
+    assert_same(early.step_wait(), late.step(np.array([1, 0])))
+
+
 def test_seeds_are_used_once_and_differ_where_none_is_given():
     native = StickSlipVecEnv(3, **DRAWN)
     assert native.seed(5) == [5, 6, 7]
