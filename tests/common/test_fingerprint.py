@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass, field
 from functools import partial
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
@@ -111,3 +112,98 @@ def test_measured_numbers_are_the_same_where_another_computer_would_make_them():
     assert differ([1.0], [1.0, 1.0])
     assert differ("nan", 1.0)
     assert differ(0.5, 0.50001, name="hold"), "a setting is no measurement"
+
+
+class Spoken:
+    def __repr__(self):
+        return "spoken"
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (None, None),
+        (False, False),
+        (np.True_, True),
+        ("text", "text"),
+        (-float("inf"), "-inf"),
+        (float("nan"), "nan"),
+        ([(1,), {2}], [[1], [2]]),
+        (frozenset({3, 1, 2}), [1, 2, 3]),
+        (partial(scale, number=Plain()), {"function": "scale", "number": "Plain"}),
+        (Pair(1, partial(scale, 2, number=3.0)), "Pair(left=1, right=scale(2, number=3.0))"),
+        (Pair((1, Path("a")), {"b": {1}}), "Pair(left=[1, 'a'], right={'b': [1]})"),
+        (Pair(np.float64(0.5), range(2)), "Pair(left=0.5, right=[0, 1])"),
+        (Pair(np.float64, frozenset({2, 1})), "Pair(left=float64, right=[1, 2])"),
+        (Spoken(), "spoken"),
+        (scale, "scale"),
+        (Plain(), "Plain"),
+    ],
+)
+def test_further_descriptions_by_hand(value, expected):
+    found = described(value)
+    assert found == expected
+    assert type(found) is type(expected)
+
+
+def test_an_array_is_told_by_shape_kind_and_content():
+    line = np.arange(6.0)
+    assert described(line) == "array(shape=(6,), dtype=float64, sha256=" + sha256(line.tobytes()).hexdigest()[:12] + ")"
+    others = [line.reshape(2, 3), line.astype(np.float32), line[::-1], np.arange(6)]
+    assert len({described(each) for each in [line, *others]}) == 5
+    assert described(np.arange(12.0).reshape(3, 4).T) == described(np.arange(12.0).reshape(3, 4).T.copy())
+
+
+@pytest.mark.parametrize(
+    ("measured", "expected"),
+    [
+        (123456.4, 123456.0),
+        (1234567.0, 1234570.0),
+        (-2 / 3, -0.666667),
+        (2e-6, 2e-6),
+        (-2e-6, -2e-6),
+        (0.9e-6, 0.0),
+        (-0.9e-6, 0.0),
+        (float("inf"), "inf"),
+        (-float("inf"), "-inf"),
+    ],
+)
+def test_rounding_by_hand(measured, expected):
+    assert rounded(measured) == expected
+    assert str(rounded(measured)) == str(expected), "0, not -0"
+
+
+def test_the_same_is_told_from_nearly_the_same():
+    def differ(kept, asked, name="a.probe"):
+        one, other = kept, asked
+        for key in reversed(name.split(".")):
+            one, other = {key: one}, {key: other}
+        return [(each.name, each.kept, each.asked) for each in differences(one, other)]
+
+    # A thousandth of the larger, or a thousandth where both are small.
+    assert differ(1000.0, 1000.9) == []
+    assert differ(1000.0, 1001.1) == [("a.probe", 1000.0, 1001.1)]
+    assert differ(1e-4, 9e-4) == []
+    assert differ(1e-4, 1.2e-3) != []
+    # Whole numbers and text are not measured, and names that merely end alike are no probes.
+    assert differ(1000, 1001) != []
+    assert differ(1000, 1000.5) != []
+    assert differ(1.0, 1.0001, name="a.other_probe") != []
+    assert differ(1.0, 1.0001, name="probe.a") != []
+    assert differ([[1.0, "x"]], [[1.0005, "x"]]) == []
+    assert differ([[1.0, "x"]], [[1.0005, "y"]]) != []
+    assert differ([1.0], 1.0) != []
+    assert differ({}, 1.0) == [("a.probe", {}, 1.0)]
+    assert differ([True], [1]) != []
+
+
+def test_what_is_absent_is_said_and_comes_after_what_is_asked_for():
+    found = differences({"old": 1, "both": 1}, {"new": None, "both": 2})
+    assert [name for name, _, _ in found] == ["new", "both", "old"]
+    assert [repr(each) for each in found[0]] == ["'new'", "absent", "None"]
+    with pytest.raises(ValueError, match=r"^old must be 1 again, got absent$"):
+        refuse_other("again", {"old": 1}, {})
+    # What grows at one level does not at another.
+    assert differences({"a": {"tasks": {"b": 1}}}, {"a": {"tasks": {"c": 1}}}, growing=["tasks"]) != []
+    assert differences({"a": {"tasks": {"b": 1}}}, {"a": {"tasks": {"c": 1}}}, growing=["a.tasks"]) == []
+    refuse_other("again", {"tasks": {"b": 1}}, {"tasks": {"c": 1}}, growing=["tasks"])

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from stickslip.commands import app, run
-from stickslip.common.terminal import STAND_INS
+from stickslip.common.terminal import say_what_can_be_said, STAND_INS
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = (
@@ -158,3 +158,23 @@ def test_every_text_file_has_an_encoding():
         assert list(without_encoding(ast.parse(bad))) == [1], bad
     for good in ("open('x', 'rb')", "p.read_text('utf-8')", "p.write_text(s, encoding='utf-8')", "run(c)"):
         assert not list(without_encoding(ast.parse(good))), good
+
+
+def test_stand_ins_by_hand(printed):
+    read = printed("ascii")
+    say_what_can_be_said()
+    print("±≤≥✗×µ–…↑↓ ☃ü", end="")
+    print("a±b", file=sys.stderr, end="")
+    assert read() == ["+-<=>=xxu-...^v ??", "a+-b"]
+
+
+def test_what_cannot_be_decoded_stays_an_error():
+    with pytest.raises(UnicodeDecodeError):
+        b"\xff".decode("ascii", errors="stickslip.stand_ins")
+
+
+def test_an_output_that_has_no_encoding_is_left_as_it_is(monkeypatch):
+    monkeypatch.setattr(sys, "stdout", io.StringIO())
+    say_what_can_be_said()
+    print("±", end="")
+    assert sys.stdout.getvalue() == "±"
