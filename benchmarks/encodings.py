@@ -79,7 +79,7 @@ def main() -> None:
                 "loss": loss(encoding, holds),
                 "time": quartiles([own[turn] / reference[turn] for turn in own if turn in reference]),
                 "us_per_sample": quartiles([1e6 * each / LENGTH for each in own.values()]),
-                **{name: [score.value for score in scores if score.task == name] for name in CHOSEN},
+                **{name: [score.score for score in scores if score.task == name] for name in CHOSEN},
             }
         )
     table = markdown(rows)

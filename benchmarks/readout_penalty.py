@@ -19,7 +19,7 @@ from measuring import keep, machine, refresh
 from numpy.typing import NDArray
 
 from stickslip.reservoir import mean_over_runs, nrmse, predict_held_out
-from stickslip.studies.benchmark import run_benchmark, Score
+from stickslip.studies.benchmark import Record, run_benchmark
 from stickslip.tasks import ACCURACY, NRMSE, RESERVOIRS, Solution, TASKS
 
 RESULTS = Path(__file__).parent / "results" / "readout_penalty.json"
@@ -42,12 +42,12 @@ FIXED = {NRMSE.name: NRMSE._replace(solve=_nrmse), ACCURACY.name: ACCURACY._repl
 CHOSEN = {name: task for name, task in TASKS.items() if task.metric.name in FIXED}
 
 
-def changes(fixed: list[Score], chosen: list[Score]) -> dict[tuple[str, str], list[float]]:
+def changes(fixed: list[Record], chosen: list[Record]) -> dict[tuple[str, str], list[float]]:
     """Differences chosen - fixed by task and reservoir, one a seed."""
-    before = {score[:3]: score.value for score in fixed}
+    before = {score[:3]: score.score for score in fixed}
     found: dict[tuple[str, str], list[float]] = {}
     for score in chosen:
-        found.setdefault((score.task, score.reservoir), []).append(score.value - before[score[:3]])
+        found.setdefault((score.task, score.reservoir), []).append(score.score - before[score[:3]])
     return found
 
 
@@ -74,7 +74,8 @@ def main() -> None:
     table = markdown(changes(runs["fixed"], runs["chosen"]))
     print(table)
     refresh(PAGE, {"penalty": table})
-    scores = {label: [score._asdict() for score in scores] for label, scores in runs.items()}
+    told = ("task", "reservoir", "seed", "value")
+    scores = {label: [dict(zip(told, each[:4], strict=True)) for each in records] for label, records in runs.items()}
     keep(RESULTS, {"machine": machine("scikit-learn"), "penalty": PENALTY, "length": LENGTH, "scores": scores})
 
 

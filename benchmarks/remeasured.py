@@ -74,7 +74,7 @@ def of_encodings(kept: Mapping[str, Any]) -> Found:
         name = f"{encoding} {holds}"
         yield f"loss of {name}", rounded(row["loss"]), rounded(encodings.loss(encoding, holds))
         for score in scores:
-            yield f"{score.task} of {name}", rounded(row[score.task][0]), rounded(score.value)
+            yield f"{score.task} of {name}", rounded(row[score.task][0]), rounded(score.score)
 
 
 def _encodings() -> ModuleType:

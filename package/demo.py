@@ -90,7 +90,7 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         save_figure(plot_memory_profile(profiles), folder / "memory.png")
         scores = run_benchmark(reservoirs=reservoirs, seeds=range(seed, seed + 5))
         tasks = table(scores)
-        _print_table(console, "tasks, mean ± standard deviation over 5 seeds", tasks)
+        _print_table(console, "tasks, mean [95% interval of the mean] over 5 seeds", tasks)
 
         schedules = {word: _open_loop(word, seed) for word in necklaces(_LONGEST_WORD)}
         best = _open_loop(_BEST_WORD, seed, dither=0.0).speed

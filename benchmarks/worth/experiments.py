@@ -64,7 +64,7 @@ def tasks() -> Work:
 def _scores(body: str, tolerance: float) -> Values:
     crawler = partial(crawler_states, **BODIES[body], tolerance=tolerance)
     scores = run_benchmark(tasks=TASKS, reservoirs={"crawler": lambda bits, _: crawler(bits)}, seeds=SEEDS)
-    return {task: [score.value for score in scores if score.task == task] for task in TASKS}
+    return {task: [score.score for score in scores if score.task == task] for task in TASKS}
 
 
 def crawling() -> Work:

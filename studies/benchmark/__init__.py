@@ -1,5 +1,18 @@
-"""Tasks and measures on reservoirs over seeds, kept as they finish."""
+"""Tasks and measures on reservoirs over seeds, kept as they finish.
 
-from .attempts import run_benchmark, Score, STANDARD_RESERVOIRS, STANDARD_TASKS, summarize, Summary, table
+One pipeline: attempts give records, records give estimates with intervals, and estimates give tables.
+"""
 
-__all__ = ["STANDARD_RESERVOIRS", "STANDARD_TASKS", "Score", "Summary", "run_benchmark", "summarize", "table"]
+from .attempts import run_benchmark, STANDARD_RESERVOIRS, STANDARD_TASKS
+from .records import Record
+from .report import estimates, paired_differences, table
+
+__all__ = [
+    "STANDARD_RESERVOIRS",
+    "STANDARD_TASKS",
+    "Record",
+    "estimates",
+    "paired_differences",
+    "run_benchmark",
+    "table",
+]

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import product
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,10 @@ from ...common.threads import one_thread
 from ...common.validation import whole_number
 from ...tasks.catalogue import TASKS
 from ...tasks.reservoirs import Reservoir, RESERVOIRS
-from ...tasks.task import Solution, Task
+from ...tasks.task import Task
+from .records import Record
+
+__all__ = ["STANDARD_RESERVOIRS", "STANDARD_TASKS", "attempts", "chosen", "run_benchmark"]
 
 STANDARD_TASKS = ("memory capacity", "NARMA-2 NRMSE", "NARMA-10 NRMSE", "parity-2 capacity", "parity-3 capacity")
 """What is run unless said otherwise."""
@@ -22,32 +25,6 @@ STANDARD_RESERVOIRS = ("crawler", "delay line", "echo-state network")
 Entry = TypeVar("Entry")
 
 
-class Score(NamedTuple):
-    """What one reservoir scored on one task with one seed."""
-
-    task: str
-    reservoir: str
-    seed: int
-    value: float
-
-
-class Attempt(NamedTuple):
-    """What one reservoir made of one task with one seed."""
-
-    task: str
-    reservoir: str
-    seed: int
-    solution: Solution
-
-
-class Summary(NamedTuple):
-    """Mean and sample standard deviation over seeds (NaN for a single one)."""
-
-    mean: float
-    std: float
-    seeds: int
-
-
 def run_benchmark(
     *,
     tasks: Mapping[str, Task] | Iterable[str] = STANDARD_TASKS,
@@ -55,7 +32,7 @@ def run_benchmark(
     seeds: Iterable[int] = range(5),
     length: int = 4000,
     washout: int = 200,
-) -> list[Score]:
+) -> list[Record]:
     """Run every task on every reservoir, each driven by the same inputs.
 
     Parameters
@@ -73,7 +50,7 @@ def run_benchmark(
 
     Returns
     -------
-    list of Score
+    list of Record
         In the order of seeds, reservoirs, tasks.
 
     Raises
@@ -82,16 +59,15 @@ def run_benchmark(
         If a name is unknown or an argument is invalid.
     """
     with one_thread():
-        return [
-            Score(task, reservoir, seed, solution.score)
-            for task, reservoir, seed, solution in attempts(
+        return list(
+            attempts(
                 chosen("tasks", tasks, TASKS),
                 chosen("reservoirs", reservoirs, RESERVOIRS),
                 seeds,
                 length=whole_number("length", length, 1),
                 washout=whole_number("washout", washout, 0),
             )
-        ]
+        )
 
 
 def attempts(
@@ -102,7 +78,7 @@ def attempts(
     length: int,
     washout: int,
     done: Collection[tuple[str, str, int]] = (),
-) -> Iterator[Attempt]:
+) -> Iterator[Record]:
     """Try every task on every reservoir, one after the other as they are asked for.
 
     Parameters
@@ -114,7 +90,7 @@ def attempts(
 
     Yields
     ------
-    Attempt
+    Record
         In the order of seeds, reservoirs, tasks.
     """
     for seed, (name, reservoir) in product(seeds, reservoirs.items()):
@@ -122,7 +98,7 @@ def attempts(
         for title, task in tasks.items():
             if (title, name, seed) not in done:
                 solution = task.attempt(remembering, length=length, seed=seed, washout=washout)
-                yield Attempt(title, name, seed, solution)
+                yield Record.of(title, name, seed, solution)
 
 
 class _Remembering:
@@ -141,51 +117,6 @@ class _Remembering:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._reservoir, name)
-
-
-def summarize(scores: Iterable[Score]) -> dict[tuple[str, str], Summary]:
-    """Average scores over seeds.
-
-    Parameters
-    ----------
-    scores : iterable of Score
-
-    Returns
-    -------
-    dict of (task, reservoir) to Summary
-        In order of first appearance.
-    """
-    values: dict[tuple[str, str], list[float]] = {}
-    for score in scores:
-        values.setdefault((score.task, score.reservoir), []).append(score.value)
-    return {
-        key: Summary(float(np.mean(v)), float(np.std(v, ddof=1)) if len(v) > 1 else float("nan"), len(v))
-        for key, v in values.items()
-    }
-
-
-def table(scores: Iterable[Score]) -> list[list[str]]:
-    """Lay scores out as text, a row a task and a column a reservoir, under a row of headings.
-
-    Parameters
-    ----------
-    scores : iterable of Score
-        Every task on every reservoir, as from `run_benchmark`.
-
-    Returns
-    -------
-    list of list of str
-        Cells read "mean ± standard deviation", or "mean" for a single seed.
-    """
-    summaries = summarize(scores)
-    tasks = dict.fromkeys(task for task, _ in summaries)
-    reservoirs = list(dict.fromkeys(reservoir for _, reservoir in summaries))
-    rows = [[task, *(_cell(summaries[task, reservoir]) for reservoir in reservoirs)] for task in tasks]
-    return [["task", *reservoirs], *rows]
-
-
-def _cell(summary: Summary) -> str:
-    return f"{summary.mean:.2f}" + (f" ± {summary.std:.2f}" if summary.seeds > 1 else "")
 
 
 def chosen(

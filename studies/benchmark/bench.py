@@ -15,19 +15,17 @@ from ...common.validation import known_names, whole_number
 from ...common.workers import worker_processes
 from ...envs.specification import plain
 from ...reservoir import Estimate
-from ...tasks import BodyReservoir, known_reservoirs, Reservoir, SeriesTask, Task, TASKS
-from ...tasks.measures import MEASURES
+from ...tasks import BodyReservoir, known_reservoirs, Reservoir, SeriesTask, Task
 from . import STANDARD_TASKS
 from .attempts import attempts, chosen
 from .figures import plot_information, plot_predictions, plot_profiles, plot_scores, plot_sweep
 from .probe import probes
 from .records import Record, Records
-from .report import as_json, as_markdown, as_rows, differences, estimates
+from .report import as_json, as_markdown, as_rows, estimates, KNOWN, paired_differences
 from .sweep import parse_sweep, with_value
 
 __all__ = ["Bench"]
 
-_KNOWN: Mapping[str, Task] = {**TASKS, **MEASURES}
 _FINISHED = "finished"
 
 
@@ -54,7 +52,7 @@ class _Unit:
         """Make every attempt that is left, and keep it."""
         records = Records(self.folder / _FINISHED, self.made_for, resume=True)
         with one_thread():
-            for attempt in attempts(
+            for record in attempts(
                 self.tasks,
                 {self.name: self.reservoir},
                 [self.seed],
@@ -62,7 +60,8 @@ class _Unit:
                 washout=self.washout,
                 done=self.done,
             ):
-                yield records.keep(attempt)
+                records.keep(record)
+                yield record
 
 
 class Bench:
@@ -120,7 +119,7 @@ class Bench:
         self._length = whole_number("--length", length, 1)
         self._washout = whole_number("--washout", washout, 0)
         wanted = ",".join(STANDARD_TASKS) if tasks is None and sweep is not None else tasks
-        self._tasks = chosen("--tasks", _names(wanted, _KNOWN), _KNOWN)
+        self._tasks = chosen("--tasks", _names(wanted, KNOWN), KNOWN)
         known = known_reservoirs(whole_number("--features", features, 3), **body)
         self._swept: tuple[str, list[float]] | None = None
         if sweep is None:
@@ -195,7 +194,7 @@ class Bench:
         kept = self._records.load()
         records = [kept[key] for key in product(self._tasks, self._reservoirs, self._seeds)]
         found = estimates(records, self._tasks, self._reservoirs)
-        paired = differences(records, self.against)
+        paired = paired_differences(records, self.against)
         rows, compared = as_rows(found, self._tasks), as_rows(paired, self._tasks, signed=True) if paired else []
         inputs = {
             **self._settings,

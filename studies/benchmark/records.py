@@ -1,4 +1,4 @@
-"""What a benchmark has finished, kept on disk attempt by attempt so that a crash loses nothing."""
+"""What one attempt at a task came to, and a folder of such records, kept one by one so that a crash loses nothing."""
 
 import json
 import re
@@ -11,7 +11,7 @@ import numpy as np
 
 from ...common.files import atomically
 from ...common.fingerprint import described, refuse_other
-from .attempts import Attempt
+from ...tasks.task import Solution
 
 __all__ = ["SHOWN", "Record", "Records"]
 
@@ -22,11 +22,12 @@ SHOWN = 120
 
 
 class Record(NamedTuple):
-    """What is kept of an attempt.
+    """What one reservoir made of one task with one seed.
 
     Attributes
     ----------
     task, reservoir : str
+        Their names.
     seed : int
     score : float
     details : dict
@@ -41,9 +42,8 @@ class Record(NamedTuple):
     details: dict[str, Any]
 
     @classmethod
-    def of(cls, attempt: Attempt) -> Self:
-        """The record of an attempt."""
-        solution = attempt.solution
+    def of(cls, task: str, reservoir: str, seed: int, solution: Solution) -> Self:
+        """What is kept of a solution."""
         details = dict(solution.details or {})
         if solution.memory is not None:
             memory = solution.memory
@@ -55,7 +55,7 @@ class Record(NamedTuple):
         if solution.prediction is not None and solution.target is not None:
             details["prediction"] = solution.prediction[:SHOWN].tolist()
             details["target"] = solution.target[:SHOWN].tolist()
-        return cls(attempt.task, attempt.reservoir, attempt.seed, solution.score, details)
+        return cls(task, reservoir, seed, solution.score, details)
 
 
 class Records:
@@ -92,11 +92,9 @@ class Records:
         folder.mkdir(parents=True, exist_ok=True)
         _write(kept, wanted)
 
-    def keep(self, attempt: Attempt) -> Record:
-        """Write the record of an attempt, whole or not at all."""
-        record = Record.of(attempt)
+    def keep(self, record: Record) -> None:
+        """Write a record, whole or not at all."""
         _write(self._folder / _file_name(record), record._asdict())
-        return record
 
     def load(self) -> dict[tuple[str, str, int], Record]:
         """All records in the folder, by task, reservoir and seed."""

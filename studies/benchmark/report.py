@@ -1,4 +1,4 @@
-"""What a benchmark came to: means and paired differences with intervals over seeds, as tables and as JSON."""
+"""What records come to: means and paired differences with intervals over seeds, as tables and as JSON."""
 
 import math
 import platform
@@ -8,27 +8,57 @@ from typing import Any
 
 from ...common.validation import known_names
 from ...reservoir import Estimate, mean_over_runs
+from ...tasks.catalogue import TASKS
+from ...tasks.measures import MEASURES
 from ...tasks.reservoirs import Reservoir
 from ...tasks.task import mean_score, Task
 from .records import Record
 
-__all__ = ["as_json", "as_markdown", "as_rows", "cell", "differences", "estimates", "versions"]
+__all__ = [
+    "KNOWN",
+    "as_json",
+    "as_markdown",
+    "as_rows",
+    "cell",
+    "estimates",
+    "paired_differences",
+    "table",
+    "versions",
+]
+
+KNOWN: Mapping[str, Task] = {**TASKS, **MEASURES}
+"""All that a benchmark can run by name."""
+
 
 _LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "scikit-learn")
+_NONE: Mapping[str, Any] = {}
 _DIGITS = {"NRMSE": 3, "accuracy": 3}
 
 
 def estimates(
     records: Iterable[Record],
-    tasks: Mapping[str, Task] | None = None,
-    reservoirs: Mapping[str, Reservoir] | None = None,
+    tasks: Mapping[str, Task] = _NONE,
+    reservoirs: Mapping[str, Reservoir] = _NONE,
     *,
     bounds: tuple[float, float] | None = None,
 ) -> dict[tuple[str, str], Estimate]:
-    """Mean over seeds with its 95% interval, by task and reservoir in order of first appearance.
+    """Average scores over seeds.
 
-    Of a single seed the ends of the interval are not numbers. The bounds are those of `mean_over_runs`; where `tasks`
-    are given, each score has those of `mean_score`, by the features of its reservoir where there are `reservoirs`.
+    Parameters
+    ----------
+    records : iterable of Record
+    tasks : mapping of str to Task, optional
+        By name. The mean of a task that is among them has the bounds of `mean_score`.
+    reservoirs : mapping of str to Reservoir, optional
+        By name; no capacity and no rank of one that is among them is more than its features.
+    bounds : tuple of two floats, optional
+        As in `mean_over_runs`, for the mean of a task that is not among `tasks`.
+
+    Returns
+    -------
+    dict of (task, reservoir) to Estimate
+        Means with their 95% intervals, in order of first appearance. Of a single seed, and of seeds that all score the
+        same, the ends of the interval are not numbers.
     """
     values: dict[tuple[str, str], list[float]] = {}
     for record in records:
@@ -37,14 +67,14 @@ def estimates(
     def estimate(task: str, reservoir: str, scores: list[float]) -> Estimate:
         if len(scores) == 1:
             return Estimate(scores[0], math.nan, math.nan, 1)
-        if tasks is None:
+        if task not in tasks:
             return mean_over_runs(scores, bounds=bounds)
-        return mean_score(tasks[task], scores, getattr((reservoirs or {}).get(reservoir), "features", None))
+        return mean_score(tasks[task], scores, getattr(reservoirs.get(reservoir), "features", None))
 
     return {key: estimate(*key, scores) for key, scores in values.items()}
 
 
-def differences(records: Iterable[Record], reference: str) -> dict[tuple[str, str], Estimate]:
+def paired_differences(records: Iterable[Record], reference: str) -> dict[tuple[str, str], Estimate]:
     """Mean difference of each reservoir's score from that of a reference on the same draws, with its 95% interval.
 
     What makes one draw harder than another for both drops out, so that a difference is known better than either score.
@@ -89,7 +119,7 @@ def as_rows(
     found : mapping of (task, reservoir) to Estimate
         Every task on every reservoir.
     tasks : mapping of str to Task
-        Which way is better, told by an arrow.
+        Which way is better, told by an arrow where a task is among them.
     signed : bool
         Whether a number that is positive has a plus, as a difference has.
 
@@ -101,11 +131,30 @@ def as_rows(
     reservoirs = list(dict.fromkeys(reservoir for _, reservoir in found))
     rows = []
     for task in dict.fromkeys(task for task, _ in found):
-        metric = tasks[task].metric
-        digits = _DIGITS.get(metric.name, 2)
+        metric = tasks[task].metric if task in tasks else None
+        digits = _DIGITS.get(metric.name, 2) if metric else 2
+        arrow = "" if metric is None else " ↑" if metric.more_is_better else " ↓"
         cells = [cell(found[task, reservoir], digits, "+" if signed else "") for reservoir in reservoirs]
-        rows.append([f"{task} {'↑' if metric.more_is_better else '↓'}", *cells])
+        rows.append([task + arrow, *cells])
     return [["task", *reservoirs], *rows]
+
+
+def table(records: Iterable[Record], tasks: Mapping[str, Task] = KNOWN) -> list[list[str]]:
+    """Lay scores out as text, a row a task and a column a reservoir, under a row of headings.
+
+    Parameters
+    ----------
+    records : iterable of Record
+        Every task on every reservoir, as from `run_benchmark`.
+    tasks : mapping of str to Task
+        By name, of your own too; the arrow of a task tells which way is better.
+
+    Returns
+    -------
+    list of list of str
+        Cells read "mean [low, high]" with the 95% interval of the mean over seeds, or "mean" where none is known.
+    """
+    return as_rows(estimates(records, tasks), tasks)
 
 
 def as_markdown(rows: list[list[str]]) -> str:

@@ -262,7 +262,7 @@ def test_a_benchmark_is_run_and_resumed(capsys, monkeypatch, tmp_path):
     assert (difference["reservoir"], difference["mean"]) == ("delay line", pytest.approx(line - crawler))
     assert len(scores) == 12
     for score in again:
-        assert scores[score[:3]] == score.value
+        assert scores[score[:3]] == score.score
     assert (folder / "table.md").read_text(encoding="utf-8").startswith("| task | crawler | delay line |\n")
 
 
@@ -278,7 +278,7 @@ def test_a_sweep_is_run_by_two_processes(capsys, tmp_path):
     [score] = run_benchmark(
         tasks=["NARMA-2 NRMSE"], reservoirs={"body": known_reservoirs(3, hold=1)["crawler"]}, seeds=[1], length=400
     )
-    assert score.value in [each["score"] for each in found["scores"]]
+    assert score.score in [each["score"] for each in found["scores"]]
 
 
 def test_a_search_finds_tests_and_goes_on(capsys, tmp_path):

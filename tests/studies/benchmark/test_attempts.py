@@ -6,7 +6,7 @@ import pytest
 
 from stickslip.crawler import Groups, Scene, simulate
 from stickslip.reservoir import memory_capacity
-from stickslip.studies.benchmark import run_benchmark, Score, STANDARD_RESERVOIRS, STANDARD_TASKS, summarize, table
+from stickslip.studies.benchmark import estimates, Record, run_benchmark, STANDARD_RESERVOIRS, STANDARD_TASKS, table
 from stickslip.tasks import (
     crawler_states,
     DelayLine,
@@ -52,7 +52,7 @@ def test_a_linear_anchored_crawler_is_bounded_by_its_three_state_variables():
 
 def test_scores_match_the_definitions():
     """The delay line knows its taps, and no parity. NARMA is fitted on one half and scored on the other."""
-    scores = {score.task: score.value for score in run_benchmark(reservoirs=["delay line"], seeds=[0], length=3000)}
+    scores = {score.task: score.score for score in run_benchmark(reservoirs=["delay line"], seeds=[0], length=3000)}
     assert scores["memory capacity"] == pytest.approx(12, abs=1e-6)
     assert scores["parity-2 capacity"] == scores["parity-3 capacity"] == 0
     states, target = RESERVOIRS["delay line"](BITS, 0)[200:], narma(0.2 * BITS, 10)[200:]
@@ -65,14 +65,14 @@ def test_scores_match_the_definitions():
 def test_a_reservoir_that_computes_the_parity_scores_it():
     oracle = {"oracle": lambda bits, _: np.stack([np.abs(bits - np.roll(bits, 1)), bits], axis=1)}
     [score] = run_benchmark(tasks=["parity-2 capacity"], reservoirs=oracle, seeds=[1], length=2000)
-    assert score.value == pytest.approx(1)
+    assert score.score == pytest.approx(1)
 
 
 def test_the_standard_benchmark_ranks_the_crawler_between_nothing_and_its_features():
     scores = run_benchmark(seeds=[0, 1], length=2500)
     assert len(scores) == len(STANDARD_TASKS) * len(STANDARD_RESERVOIRS) * 2
-    assert all(math.isfinite(score.value) for score in scores)
-    summary = summarize(scores)
+    assert all(math.isfinite(score.score) for score in scores)
+    summary = estimates(scores)
     assert 2 < summary["memory capacity", "crawler"].mean < 10
     assert summary["parity-2 capacity", "crawler"].mean > 0.2
     assert summary["NARMA-2 NRMSE", "crawler"].mean < 0.5
@@ -89,12 +89,12 @@ def test_every_task_runs_on_every_reservoir():
     }
     scores = run_benchmark(tasks=TASKS, reservoirs=reservoirs, seeds=[0], length=1200)
     assert len(scores) == len(TASKS) * len(RESERVOIRS)
-    assert all(math.isfinite(score.value) for score in scores)
+    assert all(math.isfinite(score.score) for score in scores)
 
 
 def test_friction_is_what_computes_on_bits():
     """A linear readout of the anchored body finds hardly a parity; of the crawler, half of one."""
-    summary = summarize(run_benchmark(tasks=["parity-2 capacity"], reservoirs=RESERVOIRS, seeds=[0, 1], length=3000))
+    summary = estimates(run_benchmark(tasks=["parity-2 capacity"], reservoirs=RESERVOIRS, seeds=[0, 1], length=3000))
     scores = {reservoir: summary["parity-2 capacity", reservoir].mean for reservoir in RESERVOIRS}
     assert scores["pressure only"] == scores["linear"] == scores["delay line"] == 0
     assert scores["anchored"] < 0.1 < 0.3 < scores["crawler"]
@@ -103,7 +103,7 @@ def test_friction_is_what_computes_on_bits():
 def test_equal_seeds_give_equal_scores():
     runs = [run_benchmark(tasks=["memory capacity"], seeds=[s], length=1500) for s in (3, 3, 4)]
     assert runs[0] == runs[1]
-    assert [a.value for a in runs[0]] != [b.value for b in runs[2]]
+    assert [a.score for a in runs[0]] != [b.score for b in runs[2]]
 
 
 def test_a_series_drives_a_reservoir_once_however_many_tasks_share_it():
@@ -128,14 +128,23 @@ def test_registered_names_reach_the_runner(monkeypatch):
     monkeypatch.setitem(TASKS, "features", bits)
     monkeypatch.setitem(RESERVOIRS, "bits", lambda drive, seed: drive[:, None])
     [score] = run_benchmark(tasks=["features"], reservoirs="bits", seeds=[0], length=10, washout=0)
-    assert score == Score("features", "bits", 0, 1.0)
+    assert score == Record("features", "bits", 0, 1.0, {})
 
 
-def test_the_table_by_hand():
-    scores = [Score("t", "a", 0, 1.0), Score("t", "a", 1, 3.0), Score("t", "b", 0, 0.5)]
-    assert summarize(scores)["t", "a"] == (2.0, pytest.approx(math.sqrt(2)), 2)
-    assert math.isnan(summarize(scores)["t", "b"].std)
-    assert table(scores) == [["task", "a", "b"], ["t", "2.00 ± 1.41", "0.50"]]
+def test_the_table_of_a_task_of_ones_own_and_of_known_ones():
+    """t(0.975, 1) s / sqrt(2) = 12.706; a capacity is not negative, and 3 times the mean is bound by no feature."""
+    scores = [Record("t", "a", 0, 101.0, {}), Record("t", "a", 1, 103.0, {}), Record("t", "b", 0, 0.5, {})]
+    found = estimates(scores)
+    one = found["t", "a"]
+    assert (one.mean, one.low, one.runs) == (102.0, pytest.approx(102 - 12.7062, abs=1e-3), 2)
+    assert math.isnan(found["t", "b"].low)
+    assert table(scores) == [["task", "a", "b"], ["t", f"102.00 [{one.low:.2f}, {one.high:.2f}]", "0.50"]]
+    mine = SeriesTask(None, Metric("NRMSE", None, more_is_better=False, chance=1.0))
+    assert table(scores, {"t": mine})[1][0] == "t ↓"
+    assert table(scores[2:], {"t": mine}) == [["task", "b"], ["t ↓", "0.500"]]
+    known = [Record("parity-2 capacity", "a", seed, score, {}) for seed, score in enumerate((0.5, 1.5))]
+    assert table(known)[1][0] == "parity-2 capacity ↑"
+    assert table(known)[1][1].startswith("1.00 [0.00, ")
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from stickslip.reservoir import MemoryCapacity
-from stickslip.studies.benchmark.attempts import Attempt
 from stickslip.studies.benchmark.records import Record, Records, SHOWN
 from stickslip.tasks import Solution
 
@@ -14,7 +13,7 @@ SETTINGS = {"length": 100, "groups": {"duffing": 2}}
 
 
 def attempt(task="NARMA-2 NRMSE", reservoir="crawler", seed=0, score=0.5, **of):
-    return Attempt(task, reservoir, seed, Solution(score, **of))
+    return Record.of(task, reservoir, seed, Solution(score, **of))
 
 
 def test_what_is_kept_comes_back(tmp_path):
@@ -22,12 +21,14 @@ def test_what_is_kept_comes_back(tmp_path):
     series = np.linspace(0, 1, 500)
     memory = MemoryCapacity(np.arange(3), np.array([1.0, 0.5, 0.0]), cutoff=0.01, bound=7)
     kept = [
-        records.keep(attempt(prediction=series, target=-series)),
-        records.keep(attempt("memory", memory=memory)),
-        records.keep(attempt(reservoir="echo index", details={"rank": 3})),
-        records.keep(attempt(reservoir="echo-index", score=0.25)),
-        records.keep(attempt(seed=1)),
+        attempt(prediction=series, target=-series),
+        attempt("memory", memory=memory),
+        attempt(reservoir="echo index", details={"rank": 3}),
+        attempt(reservoir="echo-index", score=0.25),
+        attempt(seed=1),
     ]
+    for record in kept:
+        records.keep(record)
     records = Records(tmp_path / "finished", SETTINGS, resume=True)
     assert set(records.load()) == {(record.task, record.reservoir, record.seed) for record in kept}
     for record in kept:
@@ -82,7 +83,7 @@ def test_a_record_is_plain_json(tmp_path):
         "score": 0.5,
         "details": {"exponent": None},
     }
-    assert isinstance(Record.of(attempt()).score, float)
+    assert isinstance(attempt().score, float)
 
 
 def kept_again_and_again(folder, turn, times):
@@ -112,11 +113,11 @@ def test_two_processes_that_keep_the_same_attempt_leave_one_of_the_two_whole(tmp
 
 def test_what_is_shown_of_a_prediction_is_its_beginning():
     series = np.arange(200.0)
-    record = Record.of(attempt(prediction=series, target=series + 1))
+    record = attempt(prediction=series, target=series + 1)
     assert (record.details["prediction"], record.details["target"]) == (list(range(120)), list(range(1, 121)))
-    assert Record.of(attempt(target=series)).details == Record.of(attempt(prediction=series)).details == {}
+    assert attempt(target=series).details == attempt(prediction=series).details == {}
     details = {"rank": 3}
-    assert Record.of(attempt(details=details)).details is not details
+    assert attempt(details=details).details is not details
 
 
 def test_names_that_read_alike_have_files_of_their_own(tmp_path):

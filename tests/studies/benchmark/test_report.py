@@ -14,7 +14,7 @@ from stickslip.studies.benchmark.figures import (
     plot_sweep,
 )
 from stickslip.studies.benchmark.records import Record
-from stickslip.studies.benchmark.report import as_json, as_markdown, as_rows, differences, estimates
+from stickslip.studies.benchmark.report import as_json, as_markdown, as_rows, estimates, paired_differences
 from stickslip.tasks import DelayLine, MEASURES, TASKS
 
 mpl.use("agg")
@@ -100,12 +100,12 @@ def test_differences_are_paired_by_draw():
     """Scores that vary by 10 from draw to draw, and by 1 and 2 between reservoirs: t(0.975, 1) s / sqrt(2) = 6.353."""
     kept = records(NARMA, [10.0, 20.0], "a") + records(NARMA, [11.0, 22.0], "b") + records(PARITY, [1.0, 1.0], "a")
     kept += records(PARITY, [1.0, 1.0], "b")
-    found = differences(kept[::-1], "a")
+    found = paired_differences(kept[::-1], "a")
     assert set(found) == {(NARMA, "b"), (PARITY, "b")}
     assert found[NARMA, "b"].mean == 1.5
     assert found[NARMA, "b"].high - 1.5 == pytest.approx(6.353, abs=1e-3)
     assert math.isnan(found[PARITY, "b"].low)
-    rows = as_rows(differences(kept, "b"), TASKS, signed=True)
+    rows = as_rows(paired_differences(kept, "b"), TASKS, signed=True)
     assert rows == [
         ["task", "a"],
         ["NARMA-2 NRMSE ↓", "-1.500 [-7.853, +4.853]"],
@@ -114,7 +114,7 @@ def test_differences_are_paired_by_draw():
     told = as_json(kept, estimates(kept), found, {})["differences"]
     assert told[0] == {"task": PARITY, "reservoir": "b", "mean": 0.0, "interval": None, "seeds": 2}
     with pytest.raises(ValueError, match="against has no 'c'"):
-        differences(kept, "c")
+        paired_differences(kept, "c")
 
 
 def test_the_chart_of_differences_has_its_line_at_none():
