@@ -60,6 +60,12 @@ def ask(package, code=ASK, **environment):
     return done.stdout.strip(), done.stderr.strip()
 
 
+def begun(package, code=ASK):
+    """Like `ask`, without waiting."""
+    variables = {"NUMBA_CACHE_DIR": str(package.parent / "kept"), "PYTHONPATH": str(package.parent)}
+    return subprocess.Popen([sys.executable, "-c", code], env=os.environ | variables, stdout=subprocess.PIPE)
+
+
 def kept_in(package):
     return sorted((package.parent / "kept").rglob("*.nbc"))
 
@@ -84,7 +90,9 @@ def test_a_kernel_is_compiled_once_and_says_so(package):
 
 
 def test_an_edited_callee_is_compiled_anew(package):
-    ask(package)
+    at_once = [begun(package) for _ in range(2)]
+    assert [process.communicate(timeout=300)[0].split(b",")[0].strip() for process in at_once] == [b"2.0", b"2.0"]
+    assert ask(package) == ("2.0,1", "")
     constants, inner = package / "constants.py", package / "inner.py"
     as_it_was = constants.read_text()
     constants.write_text("STEP = 2.5\n")
@@ -111,7 +119,6 @@ file.write_text(file.read_text().replace("x + STEP", "x - STEP"))
     assert kept_in(package) == []
     assert "edited after they were imported" in said
     assert "can be written" not in said
-    assert ask(package)[0] == "0.0"
 
 
 LATE = "import time; now = time.time; time.time = lambda: now() - 1e6\n"
@@ -127,8 +134,6 @@ def test_sources_dated_in_the_future_are_kept(package, clock):
     assert answer == "2.0"
     assert "once; kept in" in said
     assert ask(package, clock + ASK) == ("2.0,1", "")
-    (package / "constants.py").write_text("STEP = 2.5\n")
-    assert ask(package, clock + ASK)[0] == "3.5"
 
 
 @pytest.mark.parametrize("date", [1.0, FUTURE])
@@ -141,40 +146,6 @@ os.utime(file, ({date}, {date}))
 """
     assert ask(package, edit + ASK)[0] == "2.0"
     assert kept_in(package) == []
-
-
-def cut_off(file, content, other):
-    file.write_bytes(content[: len(content) // 2])
-
-
-def emptied(file, content, other):
-    file.write_bytes(b"")
-
-
-def anothers(file, content, other):
-    file.write_bytes(other)
-
-
-def with_a_turned_bit(file, content, other):
-    file.write_bytes(content[:-100] + bytes([content[-100] ^ 1]) + content[-99:])
-
-
-def as_a_folder(file, content, other):
-    file.unlink()
-    file.mkdir()
-
-
-def test_a_damaged_file_is_compiled_anew(package):
-    ask(package)
-    for damage in (cut_off, emptied, anothers, with_a_turned_bit, as_a_folder):
-        files = kept_in(package)
-        contents = [file.read_bytes() for file in files]
-        for file, content, other in zip(files, contents, reversed(contents), strict=True):
-            damage(file, content, other)
-        answer, said = ask(package)
-        assert answer == "2.0", damage
-        assert "compiling" in said, damage
-        assert "Traceback" not in said, damage
 
 
 def test_where_nothing_can_be_kept_one_line_says_what_to_set(package):

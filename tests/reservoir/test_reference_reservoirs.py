@@ -2,7 +2,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from stickslip.reservoir import delay_line, EchoStateNetwork, memory_capacity
+from stickslip.reservoir import delay_line, echo_state, EchoStateNetwork, memory_capacity
 from stickslip.reservoir.echo_state import _aperiodic_signs, _signs_of_pi
 
 BITS = np.random.default_rng(0).integers(0, 2, 2000).astype(float)
@@ -27,6 +27,73 @@ def test_a_network_is_its_equation():
     before = np.vstack([np.zeros(5), states[:-1]])
     renewed = np.tanh(before @ recurrent.T + np.outer(BITS[:50], inward) + bias)
     np.testing.assert_allclose(states, 0.6 * before + 0.4 * renewed, atol=1e-14)
+
+
+def drawn_weights(nodes, spectral_radius, input_scaling, density, seed, topology):
+    """Of a network with random weights, from the generator that its seed and size say."""
+    random = np.random.default_rng([seed, nodes])
+    matrix = random.standard_normal((nodes, nodes))
+    if topology == "random":
+        matrix = np.where(random.random((nodes, nodes)) < density, matrix, 0)
+        matrix = matrix / max(abs(np.linalg.eigvals(matrix)))
+    inward = random.uniform(-input_scaling, input_scaling, nodes)
+    bias = random.uniform(-input_scaling, input_scaling, nodes)
+    if topology == "orthogonal":
+        # The Gram-Schmidt process gives the one decomposition with a positive diagonal.
+        columns = []
+        for column in matrix.T:
+            left = column - sum((each * (each @ column) for each in columns), np.zeros(nodes))
+            columns.append(left / np.linalg.norm(left))
+        matrix = np.transpose(columns)
+    return spectral_radius * matrix, inward, bias
+
+
+USUAL = {
+    "nodes": 6,
+    "spectral_radius": 0.9,
+    "input_scaling": 0.1,
+    "leak": 1.0,
+    "density": 1.0,
+    "seed": 0,
+    "topology": "random",
+}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"nodes": 7},
+        {"spectral_radius": 1.7},
+        {"input_scaling": 2.0},
+        {"leak": 0.3},
+        {"density": 0.4},
+        {"seed": 5},
+        {"topology": "orthogonal"},
+        {"topology": "orthogonal", "seed": 1, "spectral_radius": 0.5},
+    ],
+)
+def test_every_attribute_of_a_network_has_its_effect(change):
+    asked = USUAL | change
+    states = EchoStateNetwork(6, **{name: value for name, value in change.items() if name != "nodes"}).states(BITS[:40])
+    if "nodes" in change:
+        states = EchoStateNetwork(**change).states(BITS[:40])
+    recurrent, inward, bias = drawn_weights(**{name: value for name, value in asked.items() if name != "leak"})
+    state = np.zeros(asked["nodes"])
+    for k, u in enumerate(BITS[:40]):
+        state = (1 - asked["leak"]) * state + asked["leak"] * np.tanh(recurrent @ state + inward * u + bias)
+        np.testing.assert_allclose(states[k], state, rtol=0, atol=1e-13)
+    usual = EchoStateNetwork(6).states(BITS[:40])
+    assert not change or states.shape != usual.shape or np.abs(states - usual).max() > 1e-3
+
+
+def test_a_long_series_is_followed_in_pieces(monkeypatch):
+    """Interrupts are heard between them; a piece ends wherever it ends, and one sample is the least."""
+    network = EchoStateNetwork(5, leak=0.5)
+    whole = network.states(BITS[:100])
+    for products in (25 * 7, 25, 1):
+        monkeypatch.setattr(echo_state, "_PRODUCTS_OF_A_CALL", products)
+        np.testing.assert_array_equal(network.states(BITS[:100]), whole)
 
 
 def test_a_cycle_is_its_equation():
