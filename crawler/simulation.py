@@ -15,15 +15,15 @@ from .model.groups import Groups, groups_of_each, GroupsLike
 from .model.scene import Scene
 from .model.state import BACKWARD, Body, ChainState, FORWARD, Ledger, REST, State, STUCK
 from .model.tube import is_chain
+from .model.variations import HOLDS
 from .motion.balance import balance_of, check_balance
 from .refusals import solver_error, SolverError
 from .solvers import AUTO, choose, Solver, SOLVERS
 from .steps.options import FINISHED, MAX_STEPS, STEPS_A_HOLD
 from .trajectory import EVENT, Trajectory
 
-__all__ = ["HOLDS", "TOLERANCES", "simulate"]
+__all__ = ["TOLERANCES", "simulate"]
 
-HOLDS = "(0, inf)"
 TOLERANCES = "[1e-15, 1e-2]"
 # The budget is one of work: a chain of many segments may take fewer steps.
 _SEGMENTS_A_STEP = 10

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..common.validation import known_names, number_within, whole_number
 from ..crawler import Groups, GroupsLike, Scene
 from ..crawler.model.groups import RANGES
+from ..crawler.model.variations import Range, variations, varied
 from ..crawler.simulation import TOLERANCES
 
 __all__ = ["COUNTS", "CRAWLER_OPTIONS", "NUMBERS", "Choice", "Settings", "begun", "known_options"]
@@ -51,7 +52,7 @@ class Settings:
     memory_weight: float
     delays: int
     virtual_nodes: int
-    randomize: Mapping[str, tuple[float, float]]  # in the order of the groups' fields, the slope last
+    randomize: Mapping[str, Range]  # in the order of the groups' fields, the slope last
 
     @classmethod
     def of(
@@ -141,18 +142,17 @@ class Settings:
             chosen = {name: number_within(name, value, RANGES[name]) for name, value in groups.items()}
         else:
             chosen = {} if groups is None else Groups.of(groups).to_dict()
-        _worst(self.groups, {**self.randomize, **{name: (value, value) for name, value in chosen.items()}})
+        _worst(self.groups, {**self.randomize, **{name: Range(value, value) for name, value in chosen.items()}})
         return Choice(chosen, None if slope is None else number_within(_SLOPE, slope, "(-inf, inf)"))
 
     def draw(self, generator: np.random.Generator, choice: Choice = _NOTHING) -> tuple[Groups, Scene]:
         """Crawler and world of an episode; as many numbers are drawn whatever is chosen."""
         if not self.randomize and choice is _NOTHING:
             return self.groups, self.scene
-        drawn = {name: float(generator.uniform(low, high)) for name, (low, high) in self.randomize.items()}
-        slope = drawn.pop(_SLOPE, self.scene.slope)
-        if choice.slope is not None:
-            slope = choice.slope
-        return replace(self.groups, **{**drawn, **choice.groups}), replace(self.scene, slope=slope)
+        drawn = {name: each.at(generator.random()) for name, each in self.randomize.items()}
+        settled = {} if choice.slope is None else {_SLOPE: choice.slope}
+        groups, scene, _ = varied(self.groups, self.scene, self.hold, {**drawn, **choice.groups, **settled})
+        return groups, scene
 
 
 def known_options(options: dict[str, Any] | None, allowed: Sequence[str]) -> dict[str, Any]:
@@ -178,32 +178,18 @@ def begun(groups: Groups, scene: Scene) -> dict[str, Any]:
     return {**dict.fromkeys(NUMBERS, 0.0), **dict.fromkeys(COUNTS, 0), "groups": groups.to_dict(), "slope": scene.slope}
 
 
-def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> dict[str, tuple[float, float]]:
+def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> dict[str, Range]:
     """Ranges to draw from, after a look at both ends of each."""
-    if randomize is None:
-        return {}
-    if not isinstance(randomize, Mapping):
-        raise TypeError(f"randomize must be a mapping of group to (low, high), got {randomize!r}")
-    allowed = {**RANGES, _SLOPE: "(-inf, inf)"}
-    known_names("randomize", randomize, allowed)
-    for name, given in randomize.items():
-        if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
-            raise ValueError(f"randomize {name} must be a pair (low, high), got {given!r}")
-    ranges = {}
-    for name, interval in allowed.items():
-        if name in randomize:
-            low, high = (number_within(f"randomize {name}", end, interval) for end in randomize[name])
-            if low > high or high - low == np.inf:
-                raise ValueError(f"randomize {name} must be a pair with low <= high, got {randomize[name]!r}")
-            ranges[name] = (low, high)
+    ranges = variations("randomize", randomize, (*RANGES, _SLOPE))
     _worst(groups, ranges)
     return ranges
 
 
-def _worst(groups: Groups, ranges: Mapping[str, tuple[float, float]]) -> None:
+def _worst(groups: Groups, ranges: Mapping[str, Range]) -> None:
     """Refuse the worst draw of the one range that depends on another group here, not in some later episode."""
+    static, kinetic = ranges.get("static_friction"), ranges.get("kinetic_friction")
     replace(
         groups,
-        static_friction=ranges.get("static_friction", (groups.static_friction,))[0],
-        kinetic_friction=ranges.get("kinetic_friction", (groups.kinetic_friction,))[-1],
+        static_friction=groups.static_friction if static is None else static.low,
+        kinetic_friction=groups.kinetic_friction if kinetic is None else kinetic.high,
     )

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.validation import finite_array, known_names, number_within, whole_number
 from ..crawler import ChainState, Groups, GroupsLike, Scene, simulate, State, Trajectory
 from ..crawler.model.tube import is_chain
-from ..crawler.simulation import HOLDS, TOLERANCES
+from ..crawler.model.variations import HOLDS, varied
+from ..crawler.simulation import TOLERANCES
 from ..reservoir import delay_line, EchoStateNetwork
 from .encodings import encode, known_encoding, unit_series
 
@@ -138,6 +139,26 @@ class BodyReservoir:
             If `series` has a wrong shape or a number out of range.
         """
         return self._read(self._driven(self.groups, series))
+
+    def varied(self, numbers: Mapping[str, float]) -> "BodyReservoir":
+        """The body with some numbers changed, as `stickslip.crawler.model.variations` names them.
+
+        Parameters
+        ----------
+        numbers : mapping of str to float
+            Such as ``{"duffing": 2.0, "slope": 0.1, "hold": 0.25}``.
+
+        Returns
+        -------
+        BodyReservoir
+
+        Raises
+        ------
+        ValueError
+            If a name is unknown or a number out of range.
+        """
+        groups, scene, hold = varied(self.groups, self.scene, self.hold, numbers)
+        return replace(self, groups=groups, scene=scene, hold=hold)
 
     def stepper(self, series: ArrayLike, seed: int = 0) -> Step:
         """Drive the body from rest by a series, and step it on from there.

@@ -243,8 +243,8 @@ class Bench:
 
 def _refuse_given_twice(swept: str, body: Mapping[str, Any]) -> None:
     """Refuse a number that is given as well as swept."""
-    groups = body.get("groups")
-    given = {**(groups if isinstance(groups, Mapping) else {}), **body}
+    parts = (body.get(part) for part in ("groups", "scene"))
+    given = {name: value for part in parts if isinstance(part, Mapping) for name, value in part.items()} | dict(body)
     if swept in given:
         raise ValueError(f"{swept} must be left out where --sweep sets it, got {given[swept]!r}")
 

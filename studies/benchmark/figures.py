@@ -303,6 +303,7 @@ _SWEPT_LABELS = {
     "foot_mass_fraction": "foot mass fraction $r$",
     "static_friction": "static friction $s$",
     "kinetic_friction": "kinetic friction $k$",
+    "slope": "slope (weight along the ground)",
 }
 
 

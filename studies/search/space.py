@@ -1,7 +1,7 @@
-"""What a search chooses from: named dimensions, each a stretch of the unit interval, and what is built of them."""
+"""What a search chooses from: named dimensions, each a variation, and what is built of a point in their cube."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -11,61 +11,14 @@ from numpy.typing import NDArray
 
 from ...common.validation import known_names, number_within, whole_number
 from ...crawler import Groups, Scene
+from ...crawler.model.groups import RANGES
 from ...crawler.model.tube import is_chain
+from ...crawler.model.variations import Choice, Range, Variation, variations, varied
 from ...reservoir.echo_state import TOPOLOGIES
 from ...tasks.encodings import ENCODINGS
 from ...tasks.reservoirs import BodyReservoir, EchoState, Reservoir
 
-__all__ = ["Choice", "Dimension", "Range", "Space", "body_space", "echo_state_space"]
-
-
-@dataclass(frozen=True)
-class Range:
-    """Numbers from `low` to `high`, evenly spread, or evenly in their logarithms.
-
-    Attributes
-    ----------
-    low, high : float
-        The first less than the second; both positive if `log`.
-    log : bool
-    """
-
-    low: float
-    high: float
-    log: bool = False
-
-    def __post_init__(self) -> None:
-        low = number_within("low", self.low, "(0, inf)" if self.log else "(-inf, inf)")
-        number_within("high", self.high, f"({low!r}, inf)")
-
-    def at(self, share: float) -> float:
-        """The number at a share in [0, 1] of the way."""
-        if self.log:
-            return self.low * (self.high / self.low) ** share
-        return self.low + share * (self.high - self.low)
-
-
-@dataclass(frozen=True)
-class Choice:
-    """One of some values that have no order.
-
-    Attributes
-    ----------
-    values : sequence
-    """
-
-    values: Sequence[Any]
-
-    def __post_init__(self) -> None:
-        if not len(self.values):
-            raise ValueError("values must hold one at least to choose from, got none")
-
-    def at(self, share: float) -> Any:
-        """The value that a share in [0, 1] falls on."""
-        return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
-
-
-Dimension = Range | Choice
+__all__ = ["Choice", "Range", "Space", "body_space", "crawler_space", "echo_state_space"]
 
 
 @dataclass(frozen=True)
@@ -80,7 +33,7 @@ class Space:
         Makes a reservoir of the values by name, or gives None for what is not worth trying.
     """
 
-    dimensions: Mapping[str, Dimension]
+    dimensions: Mapping[str, Variation]
     build: Callable[[Mapping[str, Any]], Reservoir | None]
 
     def at(self, point: NDArray[np.float64]) -> dict[str, Any]:
@@ -147,7 +100,7 @@ def body_space(features: int) -> Space:
         If `features` is not such an integer.
     """
     features = whole_number("features", features, 3)
-    dimensions: dict[str, Dimension] = {
+    dimensions: dict[str, Variation] = {
         "segments": Choice([n for n in _SEGMENTS if n <= features]),
         "ground": Choice(("anchored", "ratchet", "free")),
         "readings": Choice(tuple(_READINGS)),
@@ -173,18 +126,16 @@ def _body(features: int, values: Mapping[str, Any]) -> BodyReservoir | None:
         return None
     if lasting * 8 * values["damping_ratio"] * segments**2 / mass > _MOST_TIME_CONSTANTS:
         return None
-    scene = Scene(
+    world = Scene(
         anchored=values["ground"] == "anchored",
         ratchet=values["ground"] != "free",
-        slope=values["slope"],
         segments=segments,
         tube_mass=mass if segments > 1 else 0.0,
     )
-    named = ("duffing", "damping_ratio", "deborah", "radial_coupling", "foot_mass_fraction", "static_friction")
-    groups = Groups(
-        **{name: values[name] for name in named},
-        kinetic_friction=values["kinetic_share"] * values["static_friction"],
-    )
+    hold = lasting / values["holds_per_sample"]
+    numbers = {name: value for name, value in values.items() if name in RANGES}
+    numbers["kinetic_friction"] = values["kinetic_share"] * values["static_friction"]
+    groups, scene, hold = varied(Groups(), world, hold, {**numbers, "slope": values["slope"]})
     readings = _READINGS[values["readings"]]
     columns = sum(segments if is_chain(scene) and reading != "pressure" else 1 for reading in readings)
     if columns > features:
@@ -192,13 +143,41 @@ def _body(features: int, values: Mapping[str, Any]) -> BodyReservoir | None:
     return BodyReservoir(
         groups,
         scene,
-        hold=lasting / values["holds_per_sample"],
+        hold=hold,
         encoding=values["encoding"],
         holds_per_sample=values["holds_per_sample"],
         virtual_nodes=features // columns,
         readings=readings,
         tolerance=_TOLERANCE,
     )
+
+
+def crawler_space(body: BodyReservoir, varying: Mapping[str, Any]) -> Space:
+    """One body, of which some numbers vary.
+
+    Parameters
+    ----------
+    body : BodyReservoir
+    varying : mapping of str to (low, high) or Range
+        Such as ``{"duffing": (0, 5), "slope": (-0.1, 0.1), "hold": Range(0.1, 10, log=True)}``.
+
+    Returns
+    -------
+    Space
+        Kinetic friction above static friction is left out.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As in `stickslip.crawler.model.variations.variations`.
+    """
+    return Space(variations("varying", varying), partial(_crawler, body))
+
+
+def _crawler(body: BodyReservoir, values: Mapping[str, Any]) -> BodyReservoir | None:
+    own = body.groups.to_dict()
+    kinetic, static = (values.get(name, own[name]) for name in ("kinetic_friction", "static_friction"))
+    return None if kinetic > static else body.varied(values)
 
 
 def echo_state_space(features: int) -> Space:
@@ -219,7 +198,7 @@ def echo_state_space(features: int) -> Space:
         If `features` is not such an integer.
     """
     features = whole_number("features", features, 1)
-    dimensions: dict[str, Dimension] = {
+    dimensions: dict[str, Variation] = {
         "spectral_radius": Range(0.1, 1.3),
         "input_scaling": Range(0.01, 5.0, log=True),
         "leak": Range(0.1, 1.0),

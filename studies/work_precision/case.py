@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...common.validation import number_within, whole_number
 from ...crawler import Groups, REST, Scene, simulate, SolverError, State, Trajectory
-from ...crawler.simulation import HOLDS
+from ...crawler.model.variations import HOLDS
 from ...tasks import random_bits
 
 __all__ = [

@@ -94,6 +94,17 @@ def test_names_of_features_go_reading_by_reading():
     ]  # fmt: skip
 
 
+def test_a_body_of_other_numbers():
+    body = BodyReservoir({"duffing": 1.0}, {"ratchet": False}, virtual_nodes=2)
+    assert body.varied({}) == body
+    assert body.varied({"slope": 0.1, "hold": 0.25, "deborah": 0.7}) == BodyReservoir(
+        {"duffing": 1.0, "deborah": 0.7}, {"ratchet": False, "slope": 0.1}, hold=0.25, virtual_nodes=2
+    )
+    assert body.varied({"amplitude": 2.0}).groups.duffing == 4.0
+    with pytest.raises(ValueError, match="numbers has no 'wheels'"):
+        body.varied({"wheels": 4})
+
+
 CRAWLER_CHANGES = [change for change in CHANGES if set(change) <= {"groups", "scene", "hold", "tolerance"}]
 
 

@@ -158,6 +158,10 @@ def test_attempts_of_others_are_kept_and_not_told(tmp_path):
         ({"against": "anchored"}, "--against has no 'anchored'"),
         ({"sweep": "hold=1,2"}, "--reservoirs must be left out where --sweep is given, got 'delay line, crawler'"),
         ({"sweep": "hold=1,2", "reservoirs": None, "body": {"hold": 1}}, "hold must be left out where --sweep sets it"),
+        (
+            {"sweep": "slope=0,0.1", "reservoirs": None, "body": {"scene": {"slope": 0.2}, "groups": {"deborah": 1}}},
+            "slope must be left out where --sweep sets it, got 0.2",
+        ),
     ],
 )
 def test_bad_input(tmp_path, change, message):

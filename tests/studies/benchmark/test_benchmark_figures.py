@@ -227,6 +227,7 @@ SWEPT_LABELS = {
     "foot_mass_fraction": "foot mass fraction $r$",
     "static_friction": "static friction $s$",
     "kinetic_friction": "kinetic friction $k$",
+    "slope": "slope (weight along the ground)",
 }
 
 

@@ -24,7 +24,11 @@ def test_every_number_that_is_named_is_swept():
         if name in ("foot_mass_fraction", "kinetic_friction"):
             value = 0.1
         assert not np.array_equal(with_value(BodyReservoir(), name, value)(bits), still), name
+    assert ("hold", "amplitude", *Groups().to_dict(), "slope") == SWEPT
     assert with_value(BodyReservoir(), "hold", 2.0) == BodyReservoir(hold=2.0)
+    assert with_value(BodyReservoir(scene={"anchored": True}), "slope", 0.1) == BodyReservoir(
+        scene={"anchored": True, "slope": 0.1}
+    )
     assert with_value(BodyReservoir(), "duffing", 2.0).groups == Groups(duffing=2.0)
 
 

@@ -260,7 +260,7 @@ def test_what_a_changed_measure_has_scored_is_not_gone_on_with(tmp_path, monkeyp
 
 
 def test_bad_spaces():
-    with pytest.raises(ValueError, match=r"high must be in \(2\.0, inf\), got 1"):
+    with pytest.raises(ValueError, match=r"high must be in \[2\.0, inf\), got 1"):
         Range(2, 1)
     with pytest.raises(ValueError, match=r"low must be in \(0, inf\), got 0"):
         Range(0, 1, log=True)

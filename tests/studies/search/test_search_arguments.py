@@ -3,14 +3,23 @@
 import inspect
 import json
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
 
 from stickslip.crawler import Groups, Scene
 from stickslip.reservoir import Estimate
-from stickslip.studies.search import body_space, Choice, echo_state_space, held_out_scores, Range, search, Space
+from stickslip.studies.search import (
+    body_space,
+    Choice,
+    crawler_space,
+    echo_state_space,
+    held_out_scores,
+    Range,
+    search,
+    Space,
+)
 from stickslip.studies.search.evolution import Evaluation
 from stickslip.tasks import BodyReservoir, Solution, TASKS
 from stickslip.tasks.task import CAPACITY, mean_score, NRMSE
@@ -326,6 +335,29 @@ def test_a_body_of_given_values(change, scene, readings, nodes):
 )
 def test_bodies_that_cost_too_much_are_left_out(change, built):
     assert (body_space(13).build({**VALUES, **change}) is not None) == built
+
+
+def test_the_numbers_of_one_body_are_a_space_in_the_words_of_randomize():
+    body = BodyReservoir(scene={"ratchet": False}, virtual_nodes=2)
+    space = crawler_space(body, {"slope": (-0.1, 0.1), "hold": Range(0.1, 10, log=True), "kinetic_friction": (0, 1)})
+    assert space.dimensions == {
+        "hold": Range(0.1, 10, log=True), "kinetic_friction": Range(0, 1), "slope": Range(-0.1, 0.1)
+    }  # fmt: skip
+    found = space.build(space.at(np.array([0.5, 0.25, 1.0])))
+    assert found.hold == pytest.approx(1.0)
+    world = {"ratchet": False, "slope": 0.1}
+    assert replace(found, hold=0.5) == BodyReservoir({"kinetic_friction": 0.25}, world, virtual_nodes=2)
+    assert space.build(space.at(np.array([0.5, 0.31, 1.0]))) is None  # more than static friction
+    assert crawler_space(body, {"static_friction": (0, 1)}).build({"static_friction": 0.1}) is None
+    assert (
+        crawler_space(body, {"static_friction": (0, 1)}).build({"static_friction": 0.2}).groups.static_friction == 0.2
+    )
+    with pytest.raises(ValueError, match="varying has no 'wheels'"):
+        crawler_space(body, {"wheels": (1, 2)})
+    best = search(
+        TASKS["memory capacity"], crawler_space(BodyReservoir(), {"hold": (0.3, 0.9)}), **{**SHORT, "evaluations": 4}
+    )
+    assert 0.3 <= best.reservoir.hold <= 0.9
 
 
 def test_a_range_at_its_ends_and_a_choice_of_none():
