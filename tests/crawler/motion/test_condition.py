@@ -59,7 +59,17 @@ CASES = {
     "downhill": (Groups(static_friction=0.6), WORD, 1.0, {"scene": Scene(slope=0.2)}),
     "without friction": (Groups(static_friction=0.0, kinetic_friction=0.0), WORD, 1.0, {}),
     "chaotic": (CHAOTIC, ANY[:4], 1.0, {}),
+    "breaking loose at the very start": (Groups(), [0, 1], 1.0, {"initial": State(1.0, 0.2, 0.1)}),
+    "uphill both ways": (Groups(static_friction=0.2), WORD[2:6], 1.0, {"scene": Scene(ratchet=False, slope=0.3)}),
+    "turning at once": (
+        Groups(duffing=0.5, damping_ratio=0.01, static_friction=0.05, kinetic_friction=0.05),
+        [0],
+        3.0,
+        {"initial": State(1.0, 0.0, 0.3), "scene": SYMMETRIC},
+    ),
 }
+# A number that is small, or large, is one of few digits.
+ACCURACY = {"contracting": 2e-5, "chaotic": 1e-3}
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -67,7 +77,19 @@ def test_condition_is_what_finite_differences_in_fifty_digits_find(name):
     groups, valve, hold, options = CASES[name]
     exact = judged(groups, valve, hold, **options)
     for solver in SOLVERS:
-        assert condition(groups, valve, hold, solver=solver, **options) == pytest.approx(exact, rel=1e-2)
+        found = condition(groups, valve, hold, solver=solver, **options)
+        assert found == pytest.approx(exact, rel=ACCURACY.get(name, 3e-6))
+
+
+def test_the_cases_are_what_they_are_called():
+    def events(name):
+        groups, valve, hold, options = CASES[name]
+        return simulate(groups, valve, hold, **options).events
+
+    assert events("breaking loose at the very start")[0].item()[:2] == (0.0, 1)
+    assert {-1, 1} <= set(events("both ways")["mode"].tolist())
+    assert -1 in events("uphill both ways")["mode"]
+    assert events("turning at once")["mode"].tolist()[:2] == [1, -1]
 
 
 @pytest.mark.slow
