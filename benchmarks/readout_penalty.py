@@ -53,11 +53,12 @@ def changes(fixed: list[Record], chosen: list[Record]) -> dict[tuple[str, str], 
 
 def markdown(found: dict[tuple[str, str], list[float]]) -> str:
     """The table of the page."""
-    lines = [f"| change of | {' | '.join(RESERVOIRS)} |", f"|---|{'---:|' * len(RESERVOIRS)}"]
-    for task in CHOSEN:
+    tasks, reservoirs = (list(dict.fromkeys(names)) for names in zip(*found, strict=True))
+    lines = [f"| change of | {' | '.join(reservoirs)} |", f"|---|{'---:|' * len(reservoirs)}"]
+    for task in tasks:
         cells = []
-        for reservoir in RESERVOIRS:
-            each = mean_over_runs(found[task, reservoir])
+        for reservoir in reservoirs:
+            each = mean_over_runs(found[task, reservoir], bounds=(-math.inf, math.inf))
             half = "" if math.isnan(each.low) else f" ± {(each.high - each.low) / 2:.3f}"
             cells.append(f"{each.mean:+.3f}{half}")
         lines.append(f"| {task} | {' | '.join(cells)} |")

@@ -379,3 +379,35 @@ def test_bad_input(change, error, text):
     information_processing_capacity(**good)
     with pytest.raises(error, match=text):
         information_processing_capacity(**{**good, **change})
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e6])
+def test_inputs_are_of_one_value_up_to_a_billionth_of_their_spread(scale):
+    """Of values that differ by less, whatever their unit; sizes of innovations likewise."""
+    rng = np.random.default_rng(0)
+    high = rng.random(400) < 0.3
+    jitter = np.where(rng.random(400) < 0.5, 1e-9, 0)
+    p = high.mean()
+    expected = np.where(high, np.sqrt((1 - p) / p), -np.sqrt(p / (1 - p)))
+    np.testing.assert_allclose(walsh(scale * (2 + 3 * high + 3 * 0.9 * jitter))[0], expected)
+    with pytest.raises(ValueError, match=r"^inputs must have two values for the Walsh basis, .*got 4;"):
+        walsh(scale * (2 + 3 * high + 3 * 1.1 * jitter))
+    innovation = np.where(rng.random(400) < 0.5, 1, -1) * np.where(high, 0.7, 0.3)
+    spread = 1.4 * jitter * np.sign(innovation)
+    np.testing.assert_allclose(walsh(scale * (innovation + 0.9 * spread))[0], innovation / np.sqrt(0.21), rtol=1e-8)
+    with pytest.raises(ValueError, match=r"got 8;"):
+        walsh(scale * (innovation + 1.1 * spread))
+    # Zero is no size of an innovation, and three sizes are none of a bit's.
+    for values in ([0.0, 0.5, -0.5], [0.1, 0.2, -0.3], [0.1, -0.1, 0.2, -0.2, 0.3]):
+        with pytest.raises(ValueError, match=f"got {len(values)};"):
+            walsh(scale * np.array(values))
+
+
+@pytest.mark.parametrize("support", [(-1.0, 0.4), (-0.4, 1.0), (0.5, 0.5), (1.0, -1.0)])
+def test_a_support_holds_all_inputs(support):
+    inputs = np.array([-0.5, 0.5])
+    with pytest.raises(ValueError, match=r"^support must hold all inputs, from -0.5 to 0.5, got \("):
+        legendre_polynomials(inputs, 2, support)
+    # Its ends may be inputs.
+    np.testing.assert_allclose(legendre_polynomials(inputs, 2, (-0.5, 0.5)), np.sqrt([[3], [5]]) * [[-1, 1], [1, 1]])
+    np.testing.assert_array_equal(legendre_polynomials(inputs, 2), legendre_polynomials(inputs, 2, (-0.5, 0.5)))
