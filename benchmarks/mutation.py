@@ -97,7 +97,7 @@ def try_all(
     folder: str, faults: Sequence[tuple[str, Mutant]], asked: argparse.Namespace, equivalents: Equivalents
 ) -> None:
     """Try faults of one folder, and keep and say what came of each."""
-    with Laboratory(ROOT, TRIALS.parent) as laboratory:
+    with Laboratory(ROOT, TRIALS.parent, asked.jobs) as laboratory:
         tests = asked.tests or tests_of(laboratory.tree, folder)
         support = [
             path.relative_to(laboratory.tree).as_posix()

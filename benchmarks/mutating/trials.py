@@ -1,18 +1,19 @@
 """Runs of the tests in throw-away copies of the checkout, without a fault and with one."""
 
-import contextlib
 import hashlib
 import json
 import os
+import queue
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from .checkout import copied, files_in, kept_kernels, twin
 from .operators import Mutant
@@ -23,7 +24,8 @@ __all__ = ["Laboratory", "Outcome", "digest"]
 MEMORY = 6 << 30  # bytes
 MORE = 20.0  # seconds of processor time that a test may take beyond ten times what it does
 COMPILING = 150.0  # likewise where kernels may have to be compiled anew
-WALL = 1800.0  # seconds, for what waits without working
+WALL = 3600.0  # seconds, without a fault
+LONGEST = 600.0  # seconds beyond ten times the usual, for what waits without working
 
 
 @dataclass(frozen=True)
@@ -54,13 +56,25 @@ class Laboratory:
         The checkout.
     kept : Path
         Folder for what the tests did without faults, good as long as no source changes.
+    jobs : int
+        Runs at once.
 
     Use it as a context: the copies are gone afterwards.
     """
 
-    def __init__(self, root: Path, kept: Path) -> None:
+    def __init__(self, root: Path, kept: Path, jobs: int = 1) -> None:
         self.root = root
         self.kept = kept
+        self.jobs = jobs
+        self._nurseries: queue.Queue[Nursery] = queue.Queue()
+        self._environment = {
+            **os.environ,
+            "PYTHONWARNDEFAULTENCODING": "1",
+            "CI": "1",
+            "HYPOTHESIS_PROFILE": "ci",
+            "OMP_NUM_THREADS": "1",
+        }
+        self._environment.pop("NUMBA_CACHE_DIR", None)
 
     def __enter__(self) -> "Laboratory":
         self._folder = Path(tempfile.mkdtemp(prefix="stickslip-mutation-"))
@@ -73,6 +87,7 @@ class Laboratory:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def baseline(self, tests: Sequence[str]) -> Path:
@@ -84,6 +99,7 @@ class Laboratory:
             If a test fails.
         """
         sources = [file for file in files_in(self.tree) if file.endswith((".py", ".json", ".md", ".toml"))]
+        self._prepare(tests)
         path = self.kept / f"baseline-{digest(self.tree, [*sources, *tests], repr(list(tests)))}.json"
         if not path.exists():
             code, words = self._pytest(self.tree, tests, path, traced=True)
@@ -99,6 +115,24 @@ class Laboratory:
             kept_kernels(self.tree, self.root)
         return path
 
+    def _prepare(self, tests: Sequence[str]) -> None:
+        """Have processes ready that have imported what collecting the tests imports of others."""
+        self._close()
+        self._nurseries.put(Nursery(["pytest"], self._environment))
+        with tempfile.TemporaryDirectory(dir=self._folder) as folder:
+            report = Path(folder) / "report.json"
+            code, words = self._pytest(self.tree, tests, report, "--collect-only")
+            if code != 0:
+                raise RuntimeError(f"the tests cannot be collected:\n{words}")
+            modules = json.loads(report.read_text(encoding="utf-8"))["modules"]
+        self._close()
+        for _ in range(self.jobs):
+            self._nurseries.put(Nursery(modules, self._environment))
+
+    def _close(self) -> None:
+        while not self._nurseries.empty():
+            self._nurseries.get().close()
+
     def tried(self, file: str, mutant: Mutant, tests: Sequence[str], baseline: Path) -> tuple[Outcome, bool | None]:
         """Run the tests with a fault: what came of it, and whether a test runs the line (None: nobody knows)."""
         usual = json.loads(baseline.read_text(encoding="utf-8"))
@@ -111,7 +145,8 @@ class Laboratory:
             (tree / file).unlink()
             (tree / file).write_bytes(mutant.applied(text))
             report = Path(folder) / "report.json"
-            code, _ = self._pytest(tree, order, report, usual=baseline, more=_more(file, text), first=True)
+            wall = LONGEST + 10.0 * sum(usual["seconds"].values())
+            code, _ = self._pytest(tree, order, report, "-x", usual=baseline, more=_more(file, text), wall=wall)
             failed = json.loads(report.read_text(encoding="utf-8"))["failed"] if report.exists() else []
         seconds = time.monotonic() - begin
         if code == 0:
@@ -125,11 +160,11 @@ class Laboratory:
         tree: Path,
         tests: Sequence[str],
         report: Path,
-        *,
+        *options: str,
         traced: bool = False,
         usual: Path | None = None,
         more: float = 0.0,
-        first: bool = False,
+        wall: float = WALL,
     ) -> tuple[int, str]:
         """Exit code and last words of a run of the tests."""
         report.parent.mkdir(parents=True, exist_ok=True)
@@ -141,32 +176,68 @@ class Laboratory:
             "more": more,
             "memory": MEMORY,
         }
-        environment = os.environ | {
+        environment = {
+            **self._environment,
             "STICKSLIP_MUTATION": json.dumps(asked),
             "PYTHONPATH": f"{tree / 'src'}{os.pathsep}{self._plugins}",
-            "PYTHONWARNDEFAULTENCODING": "1",
-            "CI": "1",
-            "HYPOTHESIS_PROFILE": "ci",
-            "OMP_NUM_THREADS": "1",
         }
-        environment.pop("NUMBA_CACHE_DIR", None)
-        scratch = tempfile.mkdtemp(prefix="scratch-", dir=self._folder)
-        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "mutation_watch"]
-        command += [f"--basetemp={scratch}/tests", *(["-x"] if first else []), *tests]
-        with (Path(scratch) / "words").open("w+b") as words:
-            process = subprocess.Popen(
-                command, cwd=tree, env=environment, stdout=words, stderr=words, start_new_session=True
-            )
+        nursery = self._nurseries.get()
+        with tempfile.TemporaryDirectory(prefix="scratch-", dir=self._folder, ignore_cleanup_errors=True) as scratch:
+            words = Path(scratch) / "words"
+            arguments = ["-q", "-p", "no:cacheprovider", "-p", "mutation_watch", f"--basetemp={scratch}/tests"]
+            run = {
+                "arguments": [*arguments, *options, *tests],
+                "tree": str(tree),
+                "path": [str(tree), str(tree / "src"), str(self._plugins)],
+                "environment": environment,
+                "words": str(words),
+                "wall": wall,
+            }
             try:
-                code = process.wait(WALL)
-            except subprocess.TimeoutExpired:
-                code = -signal.SIGKILL
+                code = nursery.run(run)
             finally:
-                _end_all_of(process)
-            words.seek(0)
-            last = "\n".join(words.read().decode(errors="replace").splitlines()[-15:])
-        shutil.rmtree(scratch, ignore_errors=True)
+                self._nurseries.put(nursery)
+            last = "\n".join(words.read_text(encoding="utf-8", errors="replace").splitlines()[-15:])
         return code, last
+
+
+class Nursery:
+    """The process of `nursery.py`.
+
+    Parameters
+    ----------
+    modules : sequence of str
+        It imports them.
+    environment : mapping
+    """
+
+    def __init__(self, modules: Sequence[str], environment: Mapping[str, str]) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, str(Path(__file__).with_name("nursery.py"))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=dict(environment),
+            text=True,
+            encoding="utf-8",
+        )
+        self._say(modules)
+
+    def run(self, asked: Mapping[str, Any]) -> int:
+        """Exit code of one run."""
+        self._say(asked)
+        assert self._process.stdout is not None
+        return int(self._process.stdout.readline())
+
+    def close(self) -> None:
+        """End the process, and the run that may be going on."""
+        self._process.terminate()
+        self._process.wait()
+
+    def _say(self, words: Any) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(json.dumps(words) + "\n")
+        self._process.stdin.flush()
 
 
 def digest(root: Path, files: Sequence[str], also: str = "") -> str:
@@ -181,10 +252,3 @@ def digest(root: Path, files: Sequence[str], also: str = "") -> str:
 def _more(file: str, text: bytes) -> float:
     is_of_kernels = file.startswith(("common/", "compiling/", "crawler/")) or b"compilation import" in text
     return COMPILING if is_of_kernels else MORE
-
-
-def _end_all_of(process: subprocess.Popen[bytes]) -> None:
-    """End the processes that a run began and did not end."""
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()

@@ -9,6 +9,7 @@ import os
 import resource
 import signal
 import sys
+import sysconfig
 import threading
 import time
 from collections import defaultdict
@@ -88,6 +89,7 @@ class Watch:
         content = {
             "package": getattr(package, "__file__", None),
             "processor": sum(each.ru_utime + each.ru_stime for each in used),
+            "modules": _installed(),
             "failed": self.failed,
             "seconds": self.seconds,
             "each": self.each,
@@ -110,6 +112,17 @@ class Watch:
             return step
 
         return step
+
+
+def _installed() -> list[str]:
+    """Modules that were imported and are neither ours nor the tests'."""
+    library = sysconfig.get_path("stdlib")
+    files = {name: getattr(module, "__file__", None) or "" for name, module in list(sys.modules.items())}
+    return sorted(
+        name
+        for name, file in files.items()
+        if ("site-packages" in file or file.startswith(library)) and name not in ("__main__", "mutation_watch")
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
