@@ -5,9 +5,9 @@ BIN := $(VENV)/bin
 # Two cores: BLAS and torch must not fight the processes beside them.
 export OMP_NUM_THREADS ?= 1
 # Text read or written in whatever encoding the locale has is an error in the tests.
-test slow: export PYTHONWARNDEFAULTENCODING ?= 1
+test slow night peers: export PYTHONWARNDEFAULTENCODING ?= 1
 
-.PHONY: demo test lint types layers package slow mutation bench clean
+.PHONY: demo test lint types layers package slow night peers mutation bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/stickslip demo
@@ -15,8 +15,17 @@ demo: $(VENV)/ready
 test: lint types layers
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
-slow: $(VENV)/interop-ready
+slow: $(VENV)/interop-ready peers
 	$(BIN)/python -m pytest -m slow
+
+# Hypothesis searches at random here, and prints a blob with what it finds: @reproduce_failure takes it.
+night: export HYPOTHESIS_PROFILE := night
+night: $(VENV)/interop-ready
+	$(BIN)/python -m pytest -m "slow or not slow"
+
+# Jobs of others' libraries, which the development install does without.
+peers: $(VENV)/peers-ready
+	$(BIN)/python -m pytest -m "slow or not slow" tests/benchmarks/test_peers.py
 
 # Faults put into the code, and whether the tests notice: hours for all; more options in the script.
 mutation: $(VENV)/ready
@@ -47,6 +56,10 @@ $(VENV)/ready: pyproject.toml constraints.txt
 # The packages of docs/recipes.md; what cannot share this environment has one in $(VENV)/interop, made by its test.
 $(VENV)/interop-ready: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[interop]'
+	touch $@
+
+$(VENV)/peers-ready: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[peers]'
 	touch $@
 
 clean:

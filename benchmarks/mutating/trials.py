@@ -58,14 +58,18 @@ class Laboratory:
         Folder for what the tests did without faults, good as long as no source changes.
     jobs : int
         Runs at once.
+    patience : float, optional
+        Seconds of processor time that a test may take beyond ten times what it takes without a fault; if left out
+        20, or 150 where kernels may have to be compiled anew.
 
     Use it as a context: the copies are gone afterwards.
     """
 
-    def __init__(self, root: Path, kept: Path, jobs: int = 1) -> None:
+    def __init__(self, root: Path, kept: Path, jobs: int = 1, patience: float | None = None) -> None:
         self.root = root
         self.kept = kept
         self.jobs = jobs
+        self.patience = patience
         self._nurseries: queue.Queue[Nursery] = queue.Queue()
         self._environment = {
             **os.environ,
@@ -145,8 +149,9 @@ class Laboratory:
             (tree / file).unlink()
             (tree / file).write_bytes(mutant.applied(text))
             report = Path(folder) / "report.json"
+            more = _patience(file, text) if self.patience is None else self.patience
             wall = LONGEST + 10.0 * sum(usual["seconds"].values())
-            code, _ = self._pytest(tree, order, report, "-x", usual=baseline, more=_more(file, text), wall=wall)
+            code, _ = self._pytest(tree, order, report, "-x", usual=baseline, more=more, wall=wall)
             failed = json.loads(report.read_text(encoding="utf-8"))["failed"] if report.exists() else []
         seconds = time.monotonic() - begin
         if code == 0:
@@ -249,6 +254,6 @@ def digest(root: Path, files: Sequence[str], also: str = "") -> str:
     return whole.hexdigest()[:16]
 
 
-def _more(file: str, text: bytes) -> float:
+def _patience(file: str, text: bytes) -> float:
     is_of_kernels = file.startswith(("common/", "compiling/", "crawler/")) or b"compilation import" in text
     return COMPILING if is_of_kernels else MORE

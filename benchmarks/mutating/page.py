@@ -1,0 +1,133 @@
+"""The page of how many faults the tests notice, from the results of the trials."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+__all__ = ["page", "wilson"]
+
+NOTICED = ("noticed", "hung")
+AIMS = {"crawler": 0.97}
+AIM = 0.9
+Z = 1.959963984540054  # of 95%
+
+_WORDS = """# Do the tests notice?
+
+A fault is put into the code, one at a time, and the tests of its folder are run. A fault is something that somebody
+could have written: a comparison, sign or number that is off, an argument forgotten or in the wrong place, a label
+swapped, a copy, refusal or store left out. Lines are drawn alike, and a fault of each. Faults that nobody could notice
+are declared, with the reason, in `benchmarks/mutating/equivalent.toml`, and do not count. The aim is 90% of the others
+in every folder, and 97% in `crawler/`.
+
+`{command}` tried them, and `python benchmarks/mutation.py --page` wrote this page, with seed {seed}; brackets are
+Wilson's 95% intervals. Without `--page` it tries more, and goes on where it stopped. After a change of a module, or of
+the tests of its folder, its faults are tried anew."""
+
+
+def wilson(noticed: int, tried: int) -> tuple[float, float]:
+    """Wilson's 95% interval of a rate (Wilson 1927, https://doi.org/10.1080/01621459.1927.10502953).
+
+    Returns
+    -------
+    tuple of float
+        Lower and upper end, in [0, 1]; that is all of it where nothing was tried.
+    """
+    if tried == 0:
+        return 0.0, 1.0
+    rate, spread = noticed / tried, Z * Z / tried
+    middle = rate + spread / 2
+    half = math.sqrt(spread * (rate * (1 - rate) + spread / 4))
+    return max(0.0, (middle - half) / (1 + spread)), min(1.0, (middle + half) / (1 + spread))
+
+
+def page(results: Mapping[str, Any], reasons: Sequence[Mapping[str, str]]) -> str:
+    """The whole page.
+
+    Parameters
+    ----------
+    results : mapping
+        What ``benchmarks/results/mutation.json`` holds.
+    reasons : sequence of mapping
+        Entries of ``equivalent.toml``.
+    """
+    folders: Mapping[str, Any] = results["folders"]
+    faults = [fault for folder in folders.values() for fault in folder]
+    survivors = [fault for fault in faults if fault["status"] == "survived"]
+    parts = [
+        _WORDS.format(command=results["command"], seed=results["seed"]),
+        "## By folder",
+        _by_folder(folders),
+        "## By kind of fault",
+        _by_kind(faults),
+        "## What survived",
+        _list(survivors) or "Nothing.",
+        "## What nobody could notice",
+        "\n".join(f"- `{each['file']}`: {_change(each)}. {each['reason']}" for each in reasons)
+        or "Nothing is declared.",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def save(path: Path, text: str) -> None:
+    """Write the page, whole or not at all."""
+    from stickslip.common.files import atomically
+
+    atomically(path, lambda unfinished: unfinished.write_text(text, encoding="utf-8"))
+
+
+def _by_folder(folders: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
+    rows = [
+        "| folder | faults | noticed | of these by a hang | survived | no test reaches | equivalent | score | aim |"
+    ]
+    rows.append("|---|---:|---:|---:|---:|---:|---:|---:|---:|")
+    for name, faults in folders.items():
+        rows.append(f"| `{name}/` | {_counts(faults)} | {AIMS.get(name, AIM):.0%} |")
+    rows.append(f"| all | {_counts([fault for faults in folders.values() for fault in faults])} | |")
+    return "\n".join(rows)
+
+
+def _counts(faults: Sequence[Mapping[str, Any]]) -> str:
+    said = [fault["status"] for fault in faults]
+    survived = [fault for fault in faults if fault["status"] == "survived"]
+    unreached = sum(fault["reached"] is False for fault in survived)
+    noticed, hung, same = _noticed(faults), said.count("hung"), said.count("equivalent")
+    return f"{len(said)} | {noticed} | {hung} | {len(survived)} | {unreached} | {same} | {_score(faults)}"
+
+
+def _by_kind(faults: Sequence[Mapping[str, Any]]) -> str:
+    kinds = sorted({fault["kind"] for fault in faults})
+    rows = ["| kind | tried | score |", "|---|---:|---:|"]
+    for kind in kinds:
+        own = [fault for fault in faults if fault["kind"] == kind and fault["status"] != "equivalent"]
+        rows.append(f"| {kind} | {len(own)} | {_score(own)} |")
+    return "\n".join(rows)
+
+
+def _score(faults: Sequence[Mapping[str, Any]]) -> str:
+    tried = sum(fault["status"] != "equivalent" for fault in faults)
+    if not tried:
+        return "-"
+    low, high = wilson(_noticed(faults), tried)
+    return f"{_noticed(faults) / tried:.0%} [{low:.0%}, {high:.0%}]"
+
+
+def _noticed(faults: Iterable[Mapping[str, Any]]) -> int:
+    return sum(fault["status"] in NOTICED for fault in faults)
+
+
+def _list(survivors: Sequence[Mapping[str, Any]]) -> str:
+    rows = []
+    for fault in survivors:
+        words = [fault["kind"]]
+        if fault["reached"] is False:
+            words.append("no test of the folder reaches the line")
+        if fault.get("above"):
+            words.append(f"noticed by `{fault['above']}`")
+        rows.append(f"- `{fault['file']}:{fault['line']}` ({'; '.join(words)}): {_change(fault)}")
+    return "\n".join(rows)
+
+
+def _change(fault: Mapping[str, Any]) -> str:
+    before, after = (" ".join(fault[text].split()) for text in ("before", "after"))
+    return f"`{before}` became `{after}`"

@@ -1,0 +1,202 @@
+"""Faults are put exactly where they are said to be, and a fault that a test notices is told from one that none does."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import mutation
+import pytest
+from mutating.operators import mutants, OPERATORS
+from mutating.page import page, wilson
+from mutating.records import Equivalents
+from mutating.sampling import changed_lines, drawn
+from mutating.source import same_code
+from scipy.stats import binomtest
+
+ROOT = Path(__file__).parents[2]
+CASES = {
+    "comparison": ("x = a  <  b is c", {"x = a  <=  b is c", "x = a  >  b is c", "x = a  <  b is not c"}),
+    "arithmetic": ("x = (a) + -b  # a - b", {"x = (a) - -b  # a - b", "x = (a) + b  # a - b"}),
+    "logic": ("x = a and not (b or c)", {"x = a or not (b or c)", "x = a and (b or c)", "x = a and not (b and c)"}),
+    "condition negated": ("x = a if ready(b) else c", {"x = a if not (ready(b)) else c"}),
+    "number": ("x = 0, 1, 7, 0.5", {"x = 1, 1, 7, 0.5", "x = 0, 0, 7, 0.5", "x = 0, 1, 8, 0.5", "x = 0, 1, 7, 1.0"}),
+    "truth value": ("x = True", {"x = False"}),
+    "keyword dropped": ("f(a, key=(b), other=c,)", {"f(a, other=c,)", "f(a, key=(b),)"}),
+    "arguments swapped": ("f(a, (b), 'text', mass=c, width=d)", {"f(b, (a), 'text', mass=c, width=d)"}
+                          | {"f(a, (b), 'text', mass=d, width=c)"}),
+    "label swapped": ("x = {'é': 1, 'b': 2}, a in ('c', 'd')", {"x = {'b': 1, 'é': 2}, a in ('c', 'd')"}),
+    "copy removed": ("x = (a).copy(), np.array(c)", {"x = (a), np.array(c)", "x = (a).copy(), np.asarray(c)"}),
+    "function changed": ("x = np.mean(a)", {"x = np.sum(a)"}),
+    "order reversed": ("x = sorted(a)", {"x = sorted(a, reverse=True)"}),
+    "refusal removed": ("if a:\n    raise ValueError(f'{b + 1}')", {"if a:\n    pass"}),
+    "guard removed": ("while a:\n    if b: continue", {"while a:\n    if b: pass"}),
+    "store removed": ("if a:\n    self.b = 'é'\n", {"if a:\n    pass\n"}),
+    "call removed": ("a.append(b)", {"pass"}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", OPERATORS)
+def test_every_kind_changes_its_places_and_nothing_else(kind):
+    text, expected = CASES[kind]
+    # What comes before is in bytes longer than in letters.
+    text, expected = f"é = 'ä'\n{text}", {f"é = 'ä'\n{each}" for each in expected}
+    made = [mutant for mutant in mutants(text.encode()) if mutant.kind == kind]
+    assert sorted(mutant.applied(text.encode()).decode() for mutant in made) == sorted(expected)
+    assert all(mutant.line >= 2 for mutant in made)
+
+
+def test_text_for_readers_types_and_imports_are_left_alone():
+    text = b'''"""Module of 3 - 2."""
+from typing import TYPE_CHECKING
+if TYPE_CHECKING:
+    size = 3
+__all__ = ["a", "b"]
+Kind = Literal["c", "d"]
+def f(x: Literal["e", "f"] = None, y: tuple[1, 2] | None = None) -> tuple[3, 4]:
+    """More than 1 < 2."""
+    warnings.warn("text", stacklevel=2)
+    message = f"{x + 1:3}"
+    assert isinstance(x, A | B), x + 1
+if __name__ == "__main__":
+    f(1)
+'''
+    assert [mutant.before for mutant in mutants(text)] == []
+
+
+def test_faults_of_the_package_compile():
+    for file in ("crawler/motion/loop.py", "tasks/narma.py", "envs/rendering/drawing.py"):
+        text = (ROOT / file).read_bytes()
+        for mutant in mutants(text)[::20]:
+            compile(mutant.applied(text), file, "exec")
+
+
+def test_a_fault_that_compiles_to_the_same_is_told():
+    assert same_code(b"x = 1 + 1", b"x = 2\n")
+    assert not same_code(b"x = 1", b"x = True")
+    assert not same_code(b"def f(): return 1", b"def f(): return 2")
+
+
+def test_what_is_declared_equivalent_is_a_fault_of_the_code_of_today():
+    assert Equivalents.read(mutation.EQUIVALENTS).gone(ROOT) == []
+
+
+def test_a_declaration_without_its_text_or_reason_is_told(tmp_path):
+    (tmp_path / "module.py").write_text("x = a < b\n", encoding="utf-8")
+    entry = {"file": "module.py", "before": "x = a < b", "after": "x = a <= b", "reason": "They differ."}
+    wrong = [{**entry, "after": "x = a + b"}, {**entry, "file": "gone.py"}, {**entry, "reason": ""}]
+    assert Equivalents([entry]).gone(tmp_path) == []
+    assert len(Equivalents(wrong).gone(tmp_path)) == 3
+    assert Equivalents([entry]).reason("module.py", "x = a < b", "x = a <= b") == "They differ."
+    assert not Equivalents([entry]).reason("module.py", "x = a < b", "x = a > b")
+
+
+@pytest.mark.parametrize(("noticed", "tried"), [(0, 5), (5, 5), (37, 40), (1, 3)])
+def test_the_interval_is_wilsons(noticed, tried):
+    other = binomtest(noticed, tried).proportion_ci(method="wilson")
+    assert wilson(noticed, tried) == pytest.approx((other.low, other.high), abs=1e-12)
+
+
+TOY = {
+    "common/scale.py": "def doubled(x, least=0.0):\n    return max(2.0 * x, least)\n\n\n"
+    "def spent(n):\n    while n > 0:\n        n -= 1\n",
+    "common/__init__.py": "",
+    "package/__init__.py": "",
+    "tests/conftest.py": "",
+    "tests/judges/judge.py": "",
+    "tests/common/test_scale.py": "from stickslip.common.scale import doubled, spent\n\n\n"
+    "def test_it_doubles():\n    assert doubled(3.0) == 6.0\n\n\n"
+    "def test_it_ends():\n    assert spent(3) is None\n",
+    "pyproject.toml": "[tool.pytest.ini_options]\ntestpaths = ['tests']\n",
+}
+
+
+@pytest.fixture
+def toy(tmp_path):
+    """A checkout of a small package, with the script in it."""
+    for file, text in TOY.items():
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "stickslip").symlink_to("../package")
+    (tmp_path / "package" / "common").symlink_to("../common")
+    shutil.copytree(ROOT / "benchmarks" / "mutating", tmp_path / "benchmarks" / "mutating")
+    shutil.copy(ROOT / "benchmarks" / "mutation.py", tmp_path / "benchmarks")
+    (tmp_path / "benchmarks" / "mutating" / "equivalent.toml").write_text(
+        "[[equivalent]]\nfile = 'common/scale.py'\nbefore = 'while n > 0:'\nafter = 'while n >= 0:'\nreason = 'So.'\n",
+        encoding="utf-8",
+    )
+    git = ["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b"]
+    for arguments in (["init", "-q"], ["add", "-A"], ["commit", "-q", "-m", "toy"]):
+        subprocess.run([*git, *arguments], check=True, capture_output=True)
+    return tmp_path
+
+
+def test_faults_are_tried_kept_and_not_tried_again(toy):
+    command = [sys.executable, "benchmarks/mutation.py", "--folder", "common", "--patience", "0.5"]
+    environment = {**os.environ, "PYTHONIOENCODING": "utf-8"}
+    first = subprocess.run(command, cwd=toy, env=environment, capture_output=True, encoding="utf-8")
+    assert first.returncode == 0, first.stderr
+    lines = (toy / "runs" / "mutation" / "trials.jsonl").read_text(encoding="utf-8").splitlines()
+    came = {(each["before"], each["after"]): each for each in map(json.loads, lines)}
+    assert came["return max(2.0 * x, least)", "return max(2.0 / x, least)"]["status"] == "noticed"
+    assert came["return max(2.0 * x, least)", "return max(2.0 / x, least)"]["by"].endswith("::test_it_doubles")
+    assert came["def doubled(x, least=0.0):", "def doubled(x, least=1.0):"]["status"] == "survived"
+    assert came["def doubled(x, least=0.0):", "def doubled(x, least=1.0):"]["reached"]
+    assert came["n -= 1", "pass"]["status"] == "hung"
+    assert ("while n > 0:", "while n >= 0:") not in came  # declared
+    assert "SURVIVED common/scale.py:1 number" in first.stdout
+    assert (toy / "common" / "scale.py").read_text(encoding="utf-8") == TOY["common/scale.py"]
+
+    again = subprocess.run(command, cwd=toy, env=environment, capture_output=True, encoding="utf-8")
+    assert again.stdout.splitlines()[-1] == first.stdout.splitlines()[-1]
+    assert "to try" not in again.stdout
+
+
+def test_a_test_that_fails_without_a_fault_is_named(toy):
+    (toy / "tests" / "common" / "test_wrong.py").write_text("def test_wrong():\n    assert False\n", encoding="utf-8")
+    command = [sys.executable, "benchmarks/mutation.py", "--folder", "common", "--count", "1"]
+    done = subprocess.run(command, cwd=toy, capture_output=True, encoding="utf-8")
+    assert done.returncode == 1
+    assert "the tests fail without any fault: tests/common/test_wrong.py::test_wrong" in done.stderr
+
+
+def test_faults_of_changed_lines_and_of_a_seed(toy):
+    (toy / "common" / "scale.py").write_text(TOY["common/scale.py"].replace("2.0", "3.0"), encoding="utf-8")
+    lines = changed_lines(toy, "HEAD")
+    assert lines == {"common/scale.py": {2}}
+    assert {mutant.line for _, mutant in drawn(toy, ["common/scale.py"], 1, lines)} == {2}
+    one, same, other = (
+        [(mutant.begin, mutant.text) for _, mutant in drawn(toy, ["common/scale.py"], seed)] for seed in (1, 1, 2)
+    )
+    assert one == same != other
+    assert sorted(one) == sorted(other)
+    lines = [TOY["common/scale.py"][:begin].count("\n") for begin, _ in one]
+    assert len(set(lines[: len(set(lines))])) == len(set(lines))  # no line twice before all were had once
+
+
+def test_the_page_says_what_was_noticed_and_what_was_not():
+    fault = {"file": "tasks/a.py", "line": 3, "kind": "number", "before": "x = 1", "after": "x = 0", "reached": True}
+    faults = [{**fault, "status": status} for status in ("noticed", "hung", "survived", "equivalent")]
+    faults.append({**fault, "status": "survived", "reached": False, "line": 4, "above": "tests/envs/test_b.py::test_c"})
+    results = {"command": "python it", "seed": 5, "folders": {"tasks": faults, "train": []}}
+    text = page(results, [{"file": "a.py", "before": "b", "after": "c", "reason": "Because."}])
+    assert "| `tasks/` | 5 | 2 | 1 | 2 | 1 | 1 | 50% [15%, 85%] | 90% |" in text
+    assert "| `train/` | 0 | 0 | 0 | 0 | 0 | 0 | - | 90% |" in text
+    assert "| number | 4 | 50% [15%, 85%] |" in text
+    assert "- `tasks/a.py:3` (number): `x = 1` became `x = 0`" in text
+    assert (
+        "- `tasks/a.py:4` (number; no test of the folder reaches the line; noticed by `tests/envs/test_b.py::test_c`)"
+        in text
+    )
+    assert "- `a.py`: `b` became `c`. Because." in text
+
+
+def test_the_page_is_that_of_its_results():
+    assert mutation.PAGE.exists() == mutation.RESULTS.exists()
+    if mutation.PAGE.exists():
+        results = json.loads(mutation.RESULTS.read_text(encoding="utf-8"))
+        reasons = Equivalents.read(mutation.EQUIVALENTS).entries
+        assert mutation.PAGE.read_text(encoding="utf-8") == page(results, reasons)
