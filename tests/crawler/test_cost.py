@@ -1,17 +1,21 @@
 """What "auto" chooses, judged by steps counted and by what `benchmarks/solver_choice.py` found a step to take."""
 
 import json
+import math
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stickslip.crawler import Groups, Scene, simulate
+from stickslip.crawler import cost, Groups, Scene, simulate
 from stickslip.crawler.cost import predicted_cost, predicted_steps
 from stickslip.crawler.model.groups import PRESETS
+from stickslip.crawler.model.state import coefficients_of, FORWARD, STUCK
 from stickslip.crawler.solvers import AUTO, choose, SOLVERS, solvers_for
 from stickslip.crawler.steps.options import STEPS_A_HOLD
+from stickslip.crawler.steps.radau import stages_for
+from stickslip.crawler.steps.taylor import order_for
 
 MEASURED = Path(__file__).parents[2] / "benchmarks" / "results" / "solver_choice.json"
 CRAWLERS = 150
@@ -135,3 +139,155 @@ def test_a_prediction_is_a_number_however_extreme_the_groups(extreme):
 def test_a_stiff_run_by_auto_finishes_where_taylor_would_not():
     done = simulate(Groups(**STIFF), WORD, 1.0, tolerance=1e-6)
     assert done.model == "on the ground, radau"
+
+
+# The prediction's parts, each against what its page says it is
+
+
+def steps_by_quadrature(mode, span, tolerance, method):
+    """The integral of 1 / h over the time that the mode is followed, and what it costs once it is dead."""
+    order, size = method.order, mode.acceleration
+    if method.stiff:
+        size *= max(1.0 / mode.mobility, 1.0 / mode.rate, 1.0 / mode.rate**2)
+
+    def pace(t):
+        h = method.reach * (math.factorial(order) * tolerance / size) ** (1.0 / order) / mode.rate
+        h *= math.exp(mode.decay * t / order)
+        longest = method.longest / mode.rate
+        dead = 0.0 if method.stiff or not mode.lasting else 1.0 / longest
+        return 1.0 / h if h < longest else dead
+
+    parts = 4000
+    return span / parts * sum(pace(span * (i + 0.5) / parts) for i in range(parts))
+
+
+@pytest.mark.parametrize("solver", ["taylor", "radau"])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-9])
+@pytest.mark.parametrize(
+    ("rate", "decay", "acceleration", "lasting"),
+    [
+        (2.0, 0.0, 1.0, True),
+        (2.0, 0.5, 1.0, True),
+        (30.0, 30.0, 5.0, True),
+        (30.0, 30.0, 5.0, False),
+        (3.0, 1.0, 1e-4, True),
+    ],
+)
+def test_steps_through_a_mode_are_the_integral_of_their_density(solver, tolerance, rate, decay, acceleration, lasting):
+    mode = cost.Mode(rate, decay, acceleration, 2.0, lasting)
+    method = cost._method(solver, tolerance)
+    expected = steps_by_quadrature(mode, 8.0, tolerance, method)
+    assert cost._steps_through(mode, 8.0, tolerance, method) == pytest.approx(expected, rel=5e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_a_method_is_its_order_and_the_steps_that_it_may_take(tolerance):
+    taylor, radau = cost._method("taylor", tolerance), cost._method("radau", tolerance)
+    assert (taylor.order, taylor.stiff, radau.stiff) == (order_for(tolerance), False, True)
+    assert taylor.longest == 0.5 * taylor.order
+    assert radau.order == stages_for(tolerance)
+    assert radau.longest == pytest.approx(2.0 * math.factorial(radau.order) ** (1.0 / radau.order))
+    assert (taylor.reach, radau.reach) == (1.2, 2.5)
+
+
+@pytest.mark.parametrize("duffing", [0.0, 1e-6, 0.5, 30.0, 1e6])
+@pytest.mark.parametrize("coupling", [0.0, 0.2, 0.99, 1.0, 3.0])
+def test_the_pressure_holds_the_body_where_its_forces_balance(duffing, coupling):
+    z = cost._held_stretch(Groups(duffing=duffing, radial_coupling=coupling))
+    if duffing == 0.0 and coupling >= 1.0:
+        assert z == 1.0
+    else:
+        # Scaled by the largest of its terms.
+        terms = np.array([duffing * z**3, (1.0 - coupling) * z, -1.0])
+        assert abs(terms.sum()) < 1e-9 * np.abs(terms).max()
+        assert z > 0.0
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.9, 20.0])
+@pytest.mark.parametrize("motion", [STUCK, FORWARD])
+def test_modes_of_the_body_are_roots_of_its_characteristic_equation(damping, motion):
+    groups = Groups(damping_ratio=damping, duffing=2.0)
+    z, r = 0.7, groups.foot_mass_fraction
+    mass = 1.0 - r if motion == STUCK else r * (1.0 - r)
+    roots = np.roots([mass, 2.0 * damping, 1.0 + 3.0 * 2.0 * z**2])
+    modes = cost._body_modes(coefficients_of(groups, Scene()), motion, z, 1.3, 0.1)
+    if roots.imag.any():
+        (only,) = modes
+        assert (only.rate, only.decay) == pytest.approx((abs(roots[0]), -roots[0].real), rel=1e-12)
+    else:
+        assert [mode.rate for mode in modes] == pytest.approx(sorted(-roots.real, reverse=True), rel=1e-9)
+        assert [mode.decay for mode in modes] == pytest.approx([mode.rate for mode in modes])
+    fast = modes[0]
+    assert fast.mobility == pytest.approx(1.0 / mass)
+    # The pressure pushes within its lag; what breaks loose is pushed at once.
+    push = max(1.3 / (1.0 + fast.rate * groups.deborah), 0.1)
+    assert fast.acceleration == pytest.approx(push / mass)
+
+
+def test_the_fastest_rate_is_the_largest_of_all():
+    r = 0.3
+    about = {
+        Groups(deborah=1e-3): ("the lag of the fluid (deborah)", 1e3, 1e3),
+        Groups(damping_ratio=9.0): (
+            "the damping over a sliding foot (damping_ratio, foot_mass_fraction)",
+            18.0 / (r * (1.0 - r)),
+            18.0 / (r * (1.0 - r)),
+        ),
+        Groups(duffing=500.0): (
+            "the spring over a sliding foot (duffing, foot_mass_fraction)",
+            math.sqrt((1.0 + 1500.0 * 0.25) / (r * (1.0 - r))),
+            0.05 / (r * (1.0 - r)),
+        ),
+    }
+    for groups, (name, rate, decay) in about.items():
+        found = cost.fastest_rate(groups, Scene(), 0.5)
+        assert found == (name, pytest.approx(rate), pytest.approx(decay))
+        anchored = cost.fastest_rate(groups, Scene(anchored=True), 0.5)
+        assert "sliding" not in anchored.name
+        if "lag" not in name:
+            share = r if "damping" in name else math.sqrt(r)
+            assert anchored.rate == pytest.approx(share * rate)
+
+
+def test_predicted_steps_add_up():
+    """Of an anchored linear body: one for the hold, those of the fluid and those of the body, over the hold."""
+    groups, scene, hold, tolerance = PRESETS["linear"], Scene(anchored=True), 3.0, 1e-6
+    coefficients = coefficients_of(groups, scene)
+    mobility = 1.0 / 0.7
+    for solver in ("taylor", "radau"):
+        method = cost._method(solver, tolerance)
+        fluid = cost.Mode(2.0, 2.0, mobility, mobility, lasting=False)
+        modes = [fluid, *cost._body_modes(coefficients, STUCK, 1.0, 1.0, 0.0)]
+        expected = 1.0 + sum(cost._steps_through(mode, hold, tolerance, method) for mode in modes)
+        assert predicted_steps(solver, groups, scene, hold, tolerance) == pytest.approx(expected / hold)
+    assert predicted_steps("closed_form", groups, scene, hold, tolerance) == 1.0 / hold
+
+
+@pytest.mark.parametrize("ratchet", [True, False])
+def test_looks_are_predicted_by_the_oscillations_that_are_alive(ratchet):
+    """A grip forward, and without a ratchet one backward; then looks for as long as the swing lives."""
+    heavy = Groups(duffing=0.0, radial_coupling=0.0, static_friction=9.0)
+    scene = Scene(ratchet=ratchet)
+    assert predicted_steps("closed_form", heavy, scene, 2.0, 1e-9) == (2.0 if ratchet else 3.0) / 2.0
+    loose = PRESETS["linear"]
+    swinging = math.sqrt(1.0 / 0.7), math.sqrt(1.0 / 0.21)
+    for hold in (0.5, 500.0):
+        decays = 0.05 / 0.7, 0.05 / 0.21
+        looks = [1.5 * rate * min(hold, 3.0 / decay) for rate, decay in zip(swinging, decays, strict=True)]
+        expected = (2.0 if ratchet else 3.0) + 0.5 * sum(looks)
+        assert predicted_steps("closed_form", loose, scene, hold, 1e-9) == pytest.approx(expected / hold)
+
+
+def test_a_cost_is_steps_times_what_each_takes():
+    case = PRESETS["linear"], Scene(), 1.0, 1e-6
+    each = {name: predicted_cost(name, *case) / predicted_steps(name, *case) for name in SOLVERS}
+    # Microseconds: a Taylor step of order 12, a Radau step of 7 stages, a look.
+    assert each == pytest.approx({"taylor": 0.25 + 12 * 0.012, "radau": 7 * 0.3, "closed_form": 0.13})
+
+
+def test_a_solver_that_would_spend_the_budget_is_taken_only_where_no_other_is_left():
+    # By Taylor this takes 1,300 steps a hold at the least; by Radau a few dozen. Of a hold a tenth as long, neither.
+    groups = Groups(damping_ratio=200.0)
+    steps = {name: 10.0 * predicted_steps(name, groups, Scene(), 10.0, 1e-2) for name in ("taylor", "radau")}
+    assert steps["taylor"] > STEPS_A_HOLD > 20.0 * steps["radau"]
+    assert choose(AUTO, groups, Scene(), 10.0, 1e-2).name == "radau"
