@@ -8,10 +8,10 @@ from importlib import import_module
 from typing import Any, TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .threads import library_threads
+    from ..common.threads import library_threads
     from .vec_env import StickSlipVecEnv
 
-_HOME = {"StickSlipVecEnv": ".vec_env", "library_threads": ".threads"}
+_HOME = {"StickSlipVecEnv": ".vec_env", "library_threads": "..common.threads"}
 
 __all__ = ["StickSlipVecEnv", "library_threads"]
 

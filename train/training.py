@@ -11,11 +11,11 @@ import numpy as np
 from ..common.extras import optional_import
 from ..common.files import atomically
 from ..common.fingerprint import described, refuse_other, rounded
+from ..common.threads import library_threads
 from ..envs import StickSlipCrawlerEnv
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .hyperparameters import resolve
 from .run import Configuration, Run
-from .threads import library_threads
 from .vec_env import StickSlipVecEnv
 
 with optional_import():

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.threads import one_thread
+from ...common.threads import library_threads
 from ...common.validation import whole_number
 from ...tasks.catalogue import TASKS
 from ...tasks.reservoirs import Reservoir, RESERVOIRS
@@ -58,7 +58,7 @@ def run_benchmark(
     TypeError, ValueError
         If a name is unknown or an argument is invalid.
     """
-    with one_thread():
+    with library_threads(1):
         return list(
             attempts(
                 chosen("tasks", tasks, TASKS),

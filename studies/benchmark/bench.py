@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from ...common.figures import save_figure
 from ...common.files import atomically
-from ...common.threads import one_thread
+from ...common.threads import library_threads
 from ...common.validation import known_names, whole_number
 from ...common.workers import worker_processes
 from ...envs.specification import plain
@@ -51,7 +51,7 @@ class _Unit:
     def finish(self) -> Iterator[Record]:
         """Make every attempt that is left, and keep it."""
         records = Records(self.folder / _FINISHED, self.made_for, resume=True)
-        with one_thread():
+        with library_threads(1):
             for record in attempts(
                 self.tasks,
                 {self.name: self.reservoir},

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from ...common.files import atomically
 from ...common.fingerprint import described, refuse_other
-from ...common.threads import one_thread
+from ...common.threads import library_threads
 from ...common.validation import number_within, whole_number
 from ...crawler import SolverError
 from ...reservoir import Estimate
@@ -167,23 +167,24 @@ def search(
         assert reservoir is not None  # proposals are those that can be built
         return _scores(task, reservoir, of, length, washout)
 
-    _reproduce(file, kept, lambda evaluation: scores(evaluation, seeds[:1]))
-    scored, beyond = kept[:evaluations], kept[evaluations:]
-    until = time.monotonic() + seconds
-    while len(scored) < evaluations and (not scored or time.monotonic() < until):
-        point = Evaluation(_proposal(space, scored, exploration, seed, task.metric.more_is_better), None)
-        scored.append(Evaluation(point.point, scores(point, seeds[:1])))
-        _keep(file, settings, scored)
-        if on_progress is not None:
-            on_progress(len(scored), evaluations)
+    with library_threads(1):
+        _reproduce(file, kept, lambda evaluation: scores(evaluation, seeds[:1]))
+        scored, beyond = kept[:evaluations], kept[evaluations:]
+        until = time.monotonic() + seconds
+        while len(scored) < evaluations and (not scored or time.monotonic() < until):
+            point = Evaluation(_proposal(space, scored, exploration, seed, task.metric.more_is_better), None)
+            scored.append(Evaluation(point.point, scores(point, seeds[:1])))
+            _keep(file, settings, scored)
+            if on_progress is not None:
+                on_progress(len(scored), evaluations)
 
-    for index in _ranking(scored, task.metric.more_is_better)[:finalists]:
-        first = scored[index]
-        if first.scores is not None and len(first.scores) < len(seeds):
-            others = scores(first, seeds[1:])
-            # The first seed's score stays as it is: by it a longer search goes on.
-            scored[index] = Evaluation(first.point, [*first.scores, *(others or [])])
-            _keep(file, settings, [*scored, *beyond])
+        for index in _ranking(scored, task.metric.more_is_better)[:finalists]:
+            first = scored[index]
+            if first.scores is not None and len(first.scores) < len(seeds):
+                others = scores(first, seeds[1:])
+                # The first seed's score stays as it is: by it a longer search goes on.
+                scored[index] = Evaluation(first.point, [*first.scores, *(others or [])])
+                _keep(file, settings, [*scored, *beyond])
     final = [e for e in scored if e.scores is not None and len(e.scores) == len(seeds)]
     if not final:
         raise ValueError(f"space must hold a reservoir that can do the task, got none in {len(scored)} evaluations")
@@ -231,15 +232,14 @@ def held_out_scores(
     leaked = sorted(set(chosen) & set(validation_seeds))
     if leaked:
         raise ValueError(f"seeds must hold none of the validation seeds, got {leaked}")
-    with one_thread():
+    with library_threads(1):
         scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in chosen]
     return scores, mean_score(task, scores, getattr(reservoir, "features", None))
 
 
 def _scores(task: Task, reservoir: Reservoir, seeds: Sequence[int], length: int, washout: int) -> list[float] | None:
     try:
-        with one_thread():
-            scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in seeds]
+        scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in seeds]
     except (SolverError, FloatingPointError, np.linalg.LinAlgError):
         return None
     return scores if all(map(math.isfinite, scores)) else None
