@@ -4,7 +4,6 @@ import pytest
 from matplotlib.figure import Figure
 
 from stickslip.reservoir import MemoryCapacity
-from stickslip.studies.benchmark.figures import _styles
 from stickslip.tasks import plot_memory_profile
 
 mpl.use("agg")
@@ -53,9 +52,3 @@ def test_it_draws_where_it_is_told():
 def test_bad_input(count):
     with pytest.raises(ValueError, match=f"memories must hold 1 to 8 curves, got {count}"):
         plot_memory_profile({str(i): memory(3) for i in range(count)})
-
-
-@pytest.mark.parametrize("without", [None, "the one left out"])
-def test_no_two_reservoirs_of_a_benchmark_look_alike(without):
-    styles = _styles([str(i) for i in range(40)], without)
-    assert len(set(styles.values())) == 40

@@ -15,6 +15,7 @@ from stickslip.studies.benchmark.figures import (
     plot_scores,
     plot_sweep,
 )
+from stickslip.studies.benchmark.figures.style import styles_of
 from stickslip.studies.benchmark.records import Record
 from stickslip.studies.benchmark.sweep import SWEPT
 from stickslip.tasks import MEASURES, TASKS
@@ -265,3 +266,9 @@ def test_a_wide_sweep_is_logarithmic_where_it_can_be(values, scale):
     if scale == "log":
         assert [label.get_text() for label in ax.get_xticklabels()] == ["1", "4.5"]
         assert len(ax.get_xticks(minor=True)) == 0
+
+
+@pytest.mark.parametrize("without", [None, "the one left out"])
+def test_no_two_reservoirs_of_a_benchmark_look_alike(without):
+    styles = styles_of([str(i) for i in range(40)], without)
+    assert len(set(styles.values())) == 40

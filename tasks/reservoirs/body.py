@@ -1,47 +1,21 @@
-"""What drives what: reservoirs as functions from a series in [0, 1] to states, one row a sample.
+"""The body as a reservoir: driven by a series from rest, and read several times a sample."""
 
-Each call starts at rest: nothing of one series is left in the next.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.validation import finite_array, known_names, number_within, whole_number
-from ..crawler import ChainState, Groups, GroupsLike, Scene, simulate, State, Trajectory
-from ..crawler.model.tube import is_chain
-from ..crawler.model.variations import HOLDS, varied
-from ..crawler.simulation import TOLERANCES
-from ..reservoir import delay_line, EchoStateNetwork
-from .encodings import encode, known_encoding, unit_series
+from ...common.validation import known_names, number_within, whole_number
+from ...crawler import ChainState, Groups, GroupsLike, Scene, simulate, State, Trajectory
+from ...crawler.model.tube import is_chain
+from ...crawler.model.variations import HOLDS, varied
+from ...crawler.simulation import TOLERANCES
+from ..encodings import encode, known_encoding, unit_series
+from .reservoir import Step
 
-__all__ = [
-    "READINGS",
-    "RESERVOIRS",
-    "BodyReservoir",
-    "DelayLine",
-    "EchoState",
-    "Reservoir",
-    "Step",
-    "body_states",
-    "crawler_states",
-    "known_reservoirs",
-]
-
-Reservoir = Callable[[NDArray[Any], int], NDArray[np.float64]]
-"""Takes a series (length,) in [0, 1] and a seed for what in it is random; gives states (length, features).
-
-One that has `candidates`, a sequence of reservoirs, is tuned by the benchmark, on training data alone. One that has
-`on_grounds`, as :class:`BodyReservoir` has, can tell the ground it crawls on. One that has `stepper`, a function of a
-series and a seed that gives a :data:`Step`, is stepped on from the end of that series and not driven anew.
-"""
-
-Step = Callable[[float], NDArray[np.float64]]
-"""Takes the next sample of a series, in [0, 1], and gives the states (features,) that have absorbed it."""
+__all__ = ["READINGS", "BodyReservoir", "body_states", "crawler_states"]
 
 READINGS = ("deformation", "velocity", "pressure")
 """What is read of a body by default; of a chain the first two of every segment."""
@@ -252,162 +226,6 @@ def _columns(signal: NDArray[np.float64], rows: int, nodes: int) -> NDArray[np.f
     stride = of_row.shape[-1] // nodes
     kept = np.swapaxes(of_row[..., stride - 1 :: stride], -3, -2)
     return kept.reshape(*kept.shape[:-2], -1)
-
-
-@dataclass(frozen=True)
-class DelayLine:
-    """The shift register with so many taps: perfect memory, and no computation.
-
-    Attributes
-    ----------
-    features : int, at least 1
-    """
-
-    features: int
-
-    def __post_init__(self) -> None:
-        whole_number("features", self.features, 1)
-
-    def __call__(self, series: ArrayLike, seed: int = 0) -> NDArray[np.float64]:
-        """States (samples, features) under `series` (samples,); nothing in it is random."""
-        return delay_line(series, self.features)
-
-    def stepper(self, series: ArrayLike, seed: int = 0) -> Step:
-        """Go on from the end of a series."""
-        taps = self(series, seed)[-1]
-
-        def step(value: float) -> NDArray[np.float64]:
-            nonlocal taps
-            taps = np.concatenate([[value], taps[:-1]])
-            return taps
-
-        return step
-
-
-_RADII = (0.5, 0.7, 0.9, 0.99)
-_SCALINGS = (0.01, 0.05, 0.2, 1.0)
-
-
-@dataclass(frozen=True)
-class EchoState:
-    """An echo-state network of so many nodes.
-
-    Left at a default it is no fair baseline: what is best differs from task to task and from size to size. With `tune`
-    it has `candidates`, of which the benchmark takes, for every task and seed, the one that does best within the
-    training data.
-
-    Attributes
-    ----------
-    features : int, at least 1
-    spectral_radius, input_scaling : float
-        As in `stickslip.reservoir.EchoStateNetwork`.
-    tune : bool
-        Whether the two are to be chosen.
-    leak : float, in (0, 1]
-        As in `stickslip.reservoir.EchoStateNetwork`.
-    topology : {"random", "cycle", "orthogonal"}
-        As in `stickslip.reservoir.EchoStateNetwork`: "cycle" is the simple cycle reservoir.
-    centred : bool
-        Whether the series u drives the network as 2 u - 1, so that tanh is odd about its middle.
-    """
-
-    features: int
-    spectral_radius: float = 0.9
-    input_scaling: float = 0.1
-    tune: bool = False
-    leak: float = 1.0
-    topology: str = "random"
-    centred: bool = False
-
-    def __post_init__(self) -> None:
-        self._network(0)
-
-    @property
-    def candidates(self) -> tuple["EchoState", ...]:
-        """Networks of as many nodes over a grid of radii, input scalings and centred or not; none without `tune`."""
-        if not self.tune:
-            return ()
-        return tuple(
-            replace(self, spectral_radius=radius, input_scaling=scaling, centred=centred, tune=False)
-            for radius, scaling, centred in product(_RADII, _SCALINGS, (False, True))
-        )
-
-    def __call__(self, series: ArrayLike, seed: int) -> NDArray[np.float64]:
-        """States (samples, features) under `series` (samples,); the seed fixes the weights."""
-        return self._network(seed).states(self._heard(finite_array("series", series, 1)))
-
-    def stepper(self, series: ArrayLike, seed: int) -> Step:
-        """Go on from the end of a series."""
-        step = self._network(seed).stepper(self._heard(finite_array("series", series, 1)))
-        return lambda value: step(self._heard(value))
-
-    def _heard(self, series: Any) -> Any:
-        return 2 * series - 1 if self.centred else series
-
-    def _network(self, seed: int) -> EchoStateNetwork:
-        return EchoStateNetwork(
-            self.features,
-            spectral_radius=self.spectral_radius,
-            input_scaling=self.input_scaling,
-            leak=self.leak,
-            seed=seed,
-            topology=self.topology,
-        )
-
-
-def known_reservoirs(features: int = 12, *, segments: int = 3, **body: Any) -> dict[str, Reservoir]:
-    """Bodies, and the baselines beside them, of as many features.
-
-    Pressure only, linear, anchored and crawler are one ladder: each adds one part of the body to the one before, in
-    this order the valve's lag, the elastomer, what is nonlinear in it, and the stick-slip friction.
-
-    Parameters
-    ----------
-    features : int
-        At least 3 and a multiple of it, for three readings of the crawler at every virtual node. A chain has the
-        largest multiple of its readings that is no more, and at least one of each.
-    segments : int, at least 2
-        Of the chain, whose tube weighs 0.3 of payload and foot.
-    **body
-        Arguments of :class:`BodyReservoir` for all bodies; `scene` for the crawler and, anchored or in pieces, for
-        the others. Not `virtual_nodes` or `readings`.
-
-    Returns
-    -------
-    dict of str to Reservoir
-        "crawler", "anchored", "linear", "pressure only", "chain of N", "delay line", "echo-state network", "cycle
-        reservoir" and "orthogonal network", of which the last three are tuned.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is invalid.
-    """
-    features = whole_number("features", features, len(READINGS))
-    if features % len(READINGS):
-        raise ValueError(f"features must be a multiple of {len(READINGS)}, got {features}")
-    segments = whole_number("segments", segments, 2)
-    crawler = BodyReservoir(virtual_nodes=features // len(READINGS), **body)
-    anchored = replace(crawler, scene=replace(crawler.scene, anchored=True))
-    tube_mass = crawler.scene.tube_mass or _TUBE_MASS
-    chain = replace(crawler, scene=replace(crawler.scene, segments=segments, tube_mass=tube_mass), virtual_nodes=1)
-    return {
-        "crawler": crawler,
-        "anchored": anchored,
-        "linear": replace(anchored, groups=replace(crawler.groups, duffing=0.0, radial_coupling=0.0)),
-        "pressure only": replace(anchored, readings=("pressure",), virtual_nodes=features),
-        f"chain of {segments}": replace(chain, virtual_nodes=max(1, features // chain.features)),
-        "delay line": DelayLine(features),
-        "echo-state network": EchoState(features, tune=True),
-        "cycle reservoir": EchoState(features, tune=True, topology="cycle"),
-        "orthogonal network": EchoState(features, tune=True, topology="orthogonal"),
-    }
-
-
-_TUBE_MASS = 0.3
-
-RESERVOIRS = known_reservoirs()
-"""The reservoirs known by name, at 12 features. Add your own."""
 
 
 def crawler_states(
