@@ -2,6 +2,7 @@
 
 import sys
 import time
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -89,10 +90,14 @@ class Campaign:
             ]
             baseline_above = laboratory.baseline(above) if self.thorough and above else None
 
+            helped: dict[str, set[str]] = defaultdict(set)
+            for result in known(self.trials).values():
+                helped[result["file"]].add(result.get("by", "").partition("::")[0])
+
             def tried(name: str, file: str, mutant: Mutant, result: Result | None) -> Result:
                 if result is None:
                     assert baseline is not None
-                    outcome, reached = laboratory.tried(file, mutant, tests, baseline)
+                    outcome, reached = laboratory.tried(file, mutant, tests, baseline, helped[file])
                     result = self._record(name, file, mutant, outcome.status)
                     result |= {"by": outcome.by, "seconds": round(outcome.seconds, 1), "reached": reached}
                 if result["status"] == "survived" and baseline_above is not None:
@@ -103,6 +108,7 @@ class Campaign:
             for result, file, mutant in _in_turn(waiting, tried, jobs, minutes):
                 added(self.trials, result)
                 results.append(result)
+                helped[file].add(result.get("by", "").partition("::")[0])
                 print(_said(result, file, mutant), flush=True)
         return results
 

@@ -1,19 +1,24 @@
 """Which tests come first: those that reach the changed line, then those that name the module, the quick ones first."""
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from .operators import Mutant
 
-__all__ = ["ordered", "reached", "tests_of"]
+__all__ = ["TEXTUAL", "ordered", "reached", "tests_of"]
+
+
+TEXTUAL = {"tests/crawler/test_loops.py"}
+"""Tests that compare the text of sources with a table: they notice every change, right or wrong, and prove nothing."""
 
 
 def tests_of(tree: Path, folder: str) -> list[str]:
-    """Test files of a folder, relative to the checkout."""
-    return sorted(path.relative_to(tree).as_posix() for path in (tree / "tests" / folder).rglob("test_*.py"))
+    """Test files of a folder, relative to the checkout, without those that compare texts."""
+    found = {path.relative_to(tree).as_posix() for path in (tree / "tests" / folder).rglob("test_*.py")}
+    return sorted(found - TEXTUAL)
 
 
 def reached(baseline: Mapping[str, Any], file: str, mutant: Mutant) -> bool | None:
@@ -23,13 +28,36 @@ def reached(baseline: Mapping[str, Any], file: str, mutant: Mutant) -> bool | No
     return any(mutant.line in lines.get(_module_file(file), ()) for lines in baseline["reached"].values())
 
 
-def ordered(tree: Path, baseline: Mapping[str, Any], file: str, mutant: Mutant, tests: list[str]) -> list[str]:
-    """The test files in the order in which they are most likely to notice a fault soon."""
+def ordered(
+    tree: Path,
+    baseline: Mapping[str, Any],
+    file: str,
+    mutant: Mutant,
+    tests: Iterable[str],
+    helped: Collection[str] = (),
+) -> list[str]:
+    """The test files in the order in which they are most likely to notice a fault soon.
+
+    Parameters
+    ----------
+    tree : Path
+        The checkout.
+    baseline : mapping
+        What the tests did without a fault.
+    file : str
+        The module.
+    mutant : Mutant
+    tests : iterable of str
+    helped : collection of str
+        Test files that noticed another fault of the module.
+    """
 
     def rank(test: str) -> tuple[bool, bool, float]:
         runs = mutant.line in baseline["reached"].get(test, {}).get(_module_file(file), ())
         mirrors = Path(test).stem.removeprefix("test_").startswith(Path(file).stem)
-        return not (runs or mirrors), not _names(tree / test, tree / file), baseline["seconds"].get(test, 0.0)
+        beside = Path(test).parent == Path("tests", file).parent and len(Path(file).parts) > 2
+        first = runs or mirrors or test in helped
+        return not first, not (beside or _names(tree / test, tree / file)), baseline["seconds"].get(test, 0.0)
 
     return sorted(tests, key=rank)
 

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -137,10 +137,12 @@ class Laboratory:
         while not self._nurseries.empty():
             self._nurseries.get().close()
 
-    def tried(self, file: str, mutant: Mutant, tests: Sequence[str], baseline: Path) -> tuple[Outcome, bool | None]:
+    def tried(
+        self, file: str, mutant: Mutant, tests: Sequence[str], baseline: Path, helped: Collection[str] = ()
+    ) -> tuple[Outcome, bool | None]:
         """Run the tests with a fault: what came of it, and whether a test runs the line (None: nobody knows)."""
         usual = json.loads(baseline.read_text(encoding="utf-8"))
-        order = ordered(self.tree, usual, file, mutant, list(tests))
+        order = ordered(self.tree, usual, file, mutant, tests, helped)
         begin = time.monotonic()
         with tempfile.TemporaryDirectory(prefix="trial-", dir=self._folder, ignore_cleanup_errors=True) as folder:
             tree = Path(folder) / "checkout"

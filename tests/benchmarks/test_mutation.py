@@ -9,6 +9,7 @@ from pathlib import Path
 
 import mutation
 import pytest
+from mutating import relevance
 from mutating.operators import mutants, OPERATORS
 from mutating.page import page, wilson
 from mutating.records import Equivalents
@@ -175,6 +176,27 @@ def test_faults_of_changed_lines_and_of_a_seed(toy):
     assert sorted(one) == sorted(other)
     lines = [TOY["common/scale.py"][:begin].count("\n") for begin, _ in one]
     assert len(set(lines[: len(set(lines))])) == len(set(lines))  # no line twice before all were had once
+
+
+def test_tests_that_compare_texts_are_left_out():
+    assert relevance.TEXTUAL
+    for test in relevance.TEXTUAL:
+        assert (ROOT / test).is_file()
+        assert test not in relevance.tests_of(ROOT, test.split("/")[1])
+
+
+def test_what_reaches_the_line_or_noticed_another_fault_comes_first(toy):
+    text = "from stickslip.common.scale import doubled\n"
+    for name, imports in {"reaches": "", "helped": "", "names": text, "quick": "", "other": ""}.items():
+        (toy / "tests" / "common" / f"test_{name}.py").write_text(imports, encoding="utf-8")
+    [mutant, *_] = mutants(TOY["common/scale.py"].encode())
+    tests = [f"tests/common/test_{name}.py" for name in ("other", "names", "quick", "helped", "reaches")]
+    seconds = dict(zip(tests, (1.0, 9.0, 0.5, 9.0, 5.0), strict=True))
+    baseline = {"reached": {tests[-1]: {"common/scale.py": [mutant.line]}}, "seconds": seconds}
+    order = relevance.ordered(toy, baseline, "common/scale.py", mutant, tests, {"tests/common/test_helped.py"})
+    assert [Path(test).stem for test in order] == [
+        f"test_{name}" for name in ["reaches", "helped", "names", "quick", "other"]
+    ]
 
 
 def test_the_page_says_what_was_noticed_and_what_was_not():
