@@ -241,3 +241,14 @@ def test_bounds_hold_all_values_but_for_rounding():
     for values, bounds in (([-1.1e-9, 1.0], (0, 2)), ([1.0, 2.0 + 1.1e-9], (0, 2)), ([1.0, 1.0], (1, 1))):
         with pytest.raises(ValueError, match=r"^bounds must hold all values, from "):
             mean_over_runs(values, bounds=bounds)
+
+
+def test_a_function_is_new_from_a_millionth_on():
+    q = orthonormal_basis(np.random.default_rng(0).normal(size=(300, 4)))
+    other = np.random.default_rng(1).normal(size=300)
+    other -= other.mean() + q @ (q.T @ other)
+    other /= np.linalg.norm(other)
+    for share, new in ((0.97e-6, False), (1.03e-6, True)):
+        found = capacity_in_turn(q, np.vstack([other, other + share * q[:, 0]]), 10)
+        assert (found.capacity[1] > 0.9) == new
+        assert (found.capacity[1] > 0) == new
