@@ -18,6 +18,8 @@ missing copy or missing refusal. Neither knows that kernels have to be kept apar
 
 import argparse
 import os
+import signal
+import sys
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
@@ -40,6 +42,7 @@ COUNT = 40
 
 def main() -> None:
     """Try or list the faults that are asked for, or write the page."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that the copies are removed
     asked = arguments()
     equivalents = Equivalents.read(EQUIVALENTS)
     if asked.page:

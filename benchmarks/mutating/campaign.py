@@ -3,7 +3,7 @@
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
@@ -105,7 +105,7 @@ class Campaign:
                     result = result | {"above": outcome.by}
                 return result
 
-            for result, file, mutant in _in_turn(waiting, tried, jobs, minutes):
+            for result, file, mutant in _in_turn(waiting, tried, laboratory.stop, jobs, minutes):
                 added(self.trials, result)
                 results.append(result)
                 helped[file].add(result.get("by", "").partition("::")[0])
@@ -135,7 +135,11 @@ def _said(result: Result, file: str, mutant: Mutant) -> str:
 
 
 def _in_turn(
-    waiting: Sequence[tuple[str, str, Mutant, Result | None]], tried: Any, jobs: int, minutes: float | None
+    waiting: Sequence[tuple[str, str, Mutant, Result | None]],
+    tried: Callable[[str, str, Mutant, Result | None], Result],
+    stop: Callable[[], object],
+    jobs: int,
+    minutes: float | None,
 ) -> Iterator[tuple[Result, str, Mutant]]:
     """Trials as they end, with the time that is left said on standard error."""
     begin = time.monotonic()
@@ -143,21 +147,27 @@ def _in_turn(
     upcoming = iter(waiting)
     running: dict[Future[Result], tuple[str, Mutant]] = {}
     with ThreadPoolExecutor(jobs) as pool:
-        while True:
-            while len(running) < jobs and (minutes is None or time.monotonic() - begin < 60 * minutes):
-                following = next(upcoming, None)
-                if following is None:
-                    break
-                name, file, mutant, result = following
-                running[pool.submit(tried, name, file, mutant, result)] = file, mutant
-            if not running:
-                return
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                ended += 1
-                spent = time.monotonic() - begin
-                left = spent / ended * (len(waiting) - ended)
-                if minutes is not None:
-                    left = min(left, max(0.0, 60 * minutes - spent))
-                print(f"[{ended} of {len(waiting)}, {left / 60:.0f} min left]", end=" ", file=sys.stderr, flush=True)
-                file, mutant = running.pop(future)
-                yield future.result(), file, mutant
+        try:
+            while True:
+                while len(running) < jobs and (minutes is None or time.monotonic() - begin < 60 * minutes):
+                    following = next(upcoming, None)
+                    if following is None:
+                        break
+                    name, file, mutant, result = following
+                    running[pool.submit(tried, name, file, mutant, result)] = file, mutant
+                if not running:
+                    return
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    ended += 1
+                    spent = time.monotonic() - begin
+                    left = spent / ended * (len(waiting) - ended)
+                    if minutes is not None:
+                        left = min(left, max(0.0, 60 * minutes - spent))
+                    print(
+                        f"[{ended} of {len(waiting)}, {left / 60:.0f} min left]", end=" ", file=sys.stderr, flush=True
+                    )
+                    file, mutant = running.pop(future)
+                    yield future.result(), file, mutant
+        except BaseException:
+            stop()  # or the trials that go on would be waited for
+            raise

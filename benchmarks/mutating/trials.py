@@ -71,6 +71,7 @@ class Laboratory:
         self.jobs = jobs
         self.patience = patience
         self._nurseries: queue.Queue[Nursery] = queue.Queue()
+        self._all: list[Nursery] = []
         self._environment = {
             **os.environ,
             "PYTHONWARNDEFAULTENCODING": "1",
@@ -91,7 +92,7 @@ class Laboratory:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._close()
+        self.stop()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def baseline(self, tests: Sequence[str]) -> Path:
@@ -121,21 +122,26 @@ class Laboratory:
 
     def _prepare(self, tests: Sequence[str]) -> None:
         """Have processes ready that have imported what collecting the tests imports of others."""
-        self._close()
-        self._nurseries.put(Nursery(["pytest"], self._environment))
+        self._have(1, ["pytest"])
         with tempfile.TemporaryDirectory(dir=self._folder) as folder:
             report = Path(folder) / "report.json"
             code, words = self._pytest(self.tree, tests, report, "--collect-only")
             if code != 0:
                 raise RuntimeError(f"the tests cannot be collected:\n{words}")
             modules = json.loads(report.read_text(encoding="utf-8"))["modules"]
-        self._close()
-        for _ in range(self.jobs):
-            self._nurseries.put(Nursery(modules, self._environment))
+        self._have(self.jobs, modules)
 
-    def _close(self) -> None:
-        while not self._nurseries.empty():
-            self._nurseries.get().close()
+    def _have(self, count: int, modules: Sequence[str]) -> None:
+        self.stop()
+        self._nurseries = queue.Queue()
+        self._all = [Nursery(modules, self._environment) for _ in range(count)]
+        for nursery in self._all:
+            self._nurseries.put(nursery)
+
+    def stop(self) -> None:
+        """End the processes, and the runs that go on in them."""
+        for nursery in self._all:
+            nursery.close()
 
     def tried(
         self, file: str, mutant: Mutant, tests: Sequence[str], baseline: Path, helped: Collection[str] = ()

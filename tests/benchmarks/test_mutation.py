@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -154,6 +155,18 @@ def test_faults_are_tried_kept_and_not_tried_again(toy):
     again = subprocess.run(command, cwd=toy, env=environment, capture_output=True, encoding="utf-8")
     assert again.stdout.splitlines()[-1] == first.stdout.splitlines()[-1]
     assert "to try" not in again.stdout
+
+
+def test_a_run_that_is_ended_leaves_nothing(toy):
+    scratch = toy / "scratch"
+    scratch.mkdir()
+    command = [sys.executable, "-u", "benchmarks/mutation.py", "--folder", "common", "--patience", "60"]
+    with subprocess.Popen(command, cwd=toy, env={**os.environ, "TMPDIR": str(scratch)}, stdout=subprocess.PIPE) as run:
+        assert b"to try" in run.stdout.readline()
+        run.stdout.readline()  # the first fault is through
+        run.send_signal(signal.SIGTERM)
+    assert run.returncode == 1
+    assert list(scratch.iterdir()) == []
 
 
 def test_a_test_that_fails_without_a_fault_is_named(toy):
