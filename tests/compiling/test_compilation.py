@@ -3,13 +3,19 @@
 import os
 import subprocess
 import sys
+import threading
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from numba.core.errors import TypingError
 
-from stickslip.compiling.compilation import compiled
+from stickslip.compiling import compilation
+from stickslip.compiling.compilation import allocating, compiled, formula, merged
 
 OUTER = """
-from stickslip.compiling.compilation import compiled
+from stickslip.compiling import compilation
+from stickslip.compiling.compilation import allocating, compiled, formula, merged
 from .inner import shift
 
 @compiled
@@ -17,7 +23,8 @@ def moved(x):
     return shift(x)
 """
 INNER = """
-from stickslip.compiling.compilation import compiled
+from stickslip.compiling import compilation
+from stickslip.compiling.compilation import allocating, compiled, formula, merged
 from .constants import STEP
 
 @compiled
@@ -76,6 +83,80 @@ def test_a_kernel_gives_what_the_function_gives():
 
 def test_division_by_zero_is_numpys():
     assert compiled(invert)(0.0) == float("inf")
+
+
+@formula
+def tripled(x):
+    return x + x + x
+
+
+@merged
+def shifted(x):
+    return tripled(x) + 0.5
+
+
+def through_both(x):
+    return shifted(x) + tripled(x)
+
+
+def of_an_array(n):
+    array = np.empty(n)
+    array[0] = 10.0
+    return array[0]
+
+
+def test_a_formula_stays_a_function_and_compiled_code_may_call_it():
+    assert tripled("ab") == "ababab"
+    assert compiled(through_both)(2.0) == 12.5
+    assert shifted(2.0) == 6.5
+
+
+def test_a_kernel_may_allocate_only_if_it_says_so():
+    assert allocating(of_an_array)(5) == 10
+    with pytest.raises(TypingError, match="empty"):
+        compiled(of_an_array)(5)
+
+
+def test_an_interrupt_that_nobody_would_hear_of_is_raised_at_the_end(monkeypatch):
+    heard = []
+    monkeypatch.setattr(sys, "unraisablehook", heard.append)
+    usual, other = sys.unraisablehook, SimpleNamespace(exc_type=ValueError)
+
+    def work(kind):
+        with compilation._interrupts_kept():
+            assert sys.unraisablehook is not usual
+            sys.unraisablehook(other)
+            sys.unraisablehook(SimpleNamespace(exc_type=kind))
+            heard.append("went on")
+
+    with pytest.raises(KeyboardInterrupt):
+        work(KeyboardInterrupt)
+    assert heard == [other, "went on"]
+    assert sys.unraisablehook is usual
+    work(OSError)
+    assert len(heard) == 5
+    # Only the main thread is interrupted.
+    seen = []
+
+    def aside():
+        with compilation._interrupts_kept():
+            seen.append(sys.unraisablehook is usual)
+
+    thread = threading.Thread(target=aside)
+    thread.start()
+    thread.join()
+    assert seen == [True]
+
+
+def test_compiling_is_announced_once_a_process(monkeypatch, capsys):
+    monkeypatch.setattr(compilation, "_announced", False)
+    compilation._announce("folder", "")
+    compilation._announce("other", "")
+    begin = "stickslip: compiling kernels, up to a minute, "
+    assert capsys.readouterr().err == f"{begin}once; kept in folder; `stickslip compile` does all of it ahead\n"
+    monkeypatch.setattr(compilation, "_announced", False)
+    compilation._announce(None, "in every process")
+    assert capsys.readouterr().err == f"{begin}in every process\n"
 
 
 def test_a_kernel_is_compiled_once_and_says_so(package):

@@ -219,3 +219,37 @@ def test_an_early_root_is_as_sharp_as_in_a_short_interval(root):
     # (t - root) (t - 1) ... : the terms at 1 are larger than those at the root by 1 / root.
     coefficients = np.array([float(c) for c in product([Fraction(root), Fraction(3), Fraction(5), Fraction(7)])])
     assert sharp_descent(coefficients * root, 4, 1.0) == pytest.approx(root, rel=1e-13)
+
+
+@pytest.mark.parametrize(("roundings", "counts"), [(15.0, False), (17.0, True)])
+def test_sixteen_roundings_of_the_terms_count_as_zero(roundings, counts):
+    """At the start, at the end and between, with terms that sum up to 1, 2 and 4."""
+    eps = 2.0**-52
+    assert descent([-roundings * eps, 1.0 - roundings * eps]) == (0.0 if counts else NEVER)
+    at_end = descent([1.0, -1.0 - 2.0 * roundings * eps])
+    assert at_end == (pytest.approx(1.0, abs=1e-14) if counts else NEVER)
+    # 1 - 2 t + t^2 touches zero at 1, in the middle of the interval; its terms are 1, 4 and 4 there.
+    dip = descent([1.0 - 9.0 * roundings * eps, -2.0, 1.0], length=2.0)
+    assert dip == (pytest.approx(1.0, abs=1e-6) if counts else NEVER)
+
+
+def test_what_is_taken_for_a_root_is_within_a_quarter_of_the_rounding():
+    """Newton ends where the value is that of the margin, far below what counts as zero."""
+    for k in range(1, 40):
+        root = k / 41
+        for coefficients in (product([root]), product([root, 2, 3]), product([root, root + 2, -1, 4, 5])):
+            rounded = [Fraction(float(c)) for c in coefficients]
+            size = sum(abs(c) for c in rounded)
+            found = value(rounded, descent(coefficients)) / (size * Fraction(2) ** -52)
+            assert -21 < found < -11
+
+
+@pytest.mark.parametrize("root", [0.2, 0.45, 0.55, 0.9])
+def test_a_descent_in_the_first_half_alone_is_sharpened(root):
+    """From a half on the interval is nearly as short as it may be, and the answer is that of the first look."""
+    coefficients = np.array([float(c) for c in product([root, 3, 5])])
+    first, sharp = (each(coefficients, 3, 1.0) for each in (first_downcrossing, sharp_descent))
+    assert sharp == pytest.approx(root, rel=1e-14)
+    assert (sharp == first) or root < 0.5
+    assert sharp_descent(coefficients, 3, 0.5 * root) == NEVER
+    assert sharp_descent(-coefficients, 3, 1.0) == 0.0

@@ -14,7 +14,7 @@ from stickslip.reservoir import (
     memory_capacity,
     ranks,
 )
-from stickslip.reservoir.decomposition import capacity_in_turn, intervals
+from stickslip.reservoir.decomposition import capacity_in_turn, intervals, InTurn
 from stickslip.reservoir.orthonormal import orthonormal_basis
 from stickslip.reservoir.significance import chance, effective_events, events_needed, tail_quantile
 
@@ -252,3 +252,24 @@ def test_a_function_is_new_from_a_millionth_on():
         found = capacity_in_turn(q, np.vstack([other, other + share * q[:, 0]]), 10)
         assert (found.capacity[1] > 0.9) == new
         assert (found.capacity[1] > 0) == new
+
+
+def test_an_interval_holds_its_capacity_to_the_last_digit():
+    """Where its logit ends: at 0, at 1, and a rounding from them; and by hand between."""
+    capacity = np.array([0.0, 1.0, 1e-15, 1 - 1e-15, 0.3])
+    influence = np.zeros((5, 8))
+    influence[4] = 0.01 * np.arange(-3, 5)
+    ends, total = intervals(InTurn(capacity, 0 * capacity, influence), 0.9, 3)
+    assert (ends[0] <= capacity).all()
+    assert (capacity <= ends[1]).all()
+    np.testing.assert_allclose(ends[:, :4], [capacity[:4]] * 2, rtol=0, atol=2e-12)
+    half = stats.t(7).ppf(0.95) * np.sqrt(8 / 7 * np.sum(influence**2))
+    logit = np.log(0.3 / 0.7)
+    np.testing.assert_allclose(ends[:, 4], 1 / (1 + np.exp(-(logit + np.array([-1, 1]) * half / 0.21))))
+    half_of_sum = stats.t(7).ppf(0.95) * np.sqrt(8 / 7 * np.sum(influence[4] ** 2))
+    assert total == pytest.approx((2.3 - half_of_sum, 2.3 + half_of_sum))
+    # It ends at the rank and at 0; a single block tells as little as two would.
+    assert intervals(InTurn(capacity, 0 * capacity, 100 * influence), 0.9, 3)[1] == (0, 3)
+    assert intervals(InTurn(capacity, 0 * capacity, 100 * influence), 0.9, 2)[1] == (0, pytest.approx(2.3))
+    _, single = intervals(InTurn(capacity, 0 * capacity, influence[:, :1]), 0.9, 3)
+    assert single == pytest.approx((2.3 - 0.03 * stats.t(1).ppf(0.95), 2.3 + 0.03 * stats.t(1).ppf(0.95)))
