@@ -1,7 +1,7 @@
 """What an environment was made from, in a form that JSON knows."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from enum import Enum
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium.envs.registration import EnvSpec
 
 from ..crawler import Groups, Scene
+from ..crawler.model.variations import Range
 
 __all__ = ["Specified", "plain"]
 
@@ -38,7 +39,8 @@ def plain(value: Any) -> Any:
     Parameters
     ----------
     value : object
-        Groups, a scene or an actuator, NumPy's numbers and arrays, enumerations, and mappings and sequences of these.
+        Groups, a scene, an actuator or a range, NumPy's numbers and arrays, enumerations, and mappings and sequences of
+        these.
 
     Returns
     -------
@@ -49,6 +51,8 @@ def plain(value: Any) -> Any:
         return value.to_dict()
     if isinstance(getattr(value, "groups", None), Groups):  # an actuator
         return value.groups.to_dict()
+    if isinstance(value, Range):
+        return asdict(value)
     if isinstance(value, Mapping):
         return {name: plain(each) for name, each in value.items()}
     if isinstance(value, Enum):

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...common.validation import known_names, number_within
+from ...common.validation import known_names, number_within, truth_value
 from .groups import Groups, GroupsLike, RANGES
 from .scene import Scene
 
@@ -80,7 +80,7 @@ def variations(argument: str, given: Mapping[str, Any] | None, allowed: Iterable
     argument : str
         What the caller calls the mapping.
     given : mapping of str to (low, high) or Range, or None
-        A pair is evenly spread. None varies nothing.
+        A pair is evenly spread; what JSON has in place of a range is a mapping of its attributes. None varies nothing.
     allowed : iterable of str
         The names, among those of :data:`VARIED`, that may vary here.
 
@@ -106,13 +106,18 @@ def variations(argument: str, given: Mapping[str, Any] | None, allowed: Iterable
 
 
 def _range(name: str, given: Any, interval: str) -> Range:
-    pair = (given.low, given.high) if isinstance(given, Range) else given
+    if isinstance(given, Mapping):
+        known_names(name, given, ("low", "high", "log"))
+        pair: Any = [given[end] for end in ("low", "high") if end in given]
+    else:
+        pair = (given.low, given.high) if isinstance(given, Range) else given
     if isinstance(pair, str) or not isinstance(pair, Sequence | np.ndarray) or len(pair) != 2:
         raise ValueError(f"{name} must be a pair (low, high), got {given!r}")
     low, high = (number_within(name, end, interval) for end in pair)
     if low > high or high - low == np.inf:
         raise ValueError(f"{name} must be a pair with low <= high, got {given!r}")
-    return Range(low, high, isinstance(given, Range) and given.log)
+    log = given.get("log", False) if isinstance(given, Mapping) else isinstance(given, Range) and given.log
+    return Range(low, high, truth_value(f"{name} log", log))
 
 
 def varied(groups: Groups, scene: Scene, hold: float, numbers: Mapping[str, float]) -> tuple[Groups, Scene, float]:

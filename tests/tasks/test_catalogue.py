@@ -37,7 +37,7 @@ NAMES = [
 
 
 def test_the_names_in_the_order_that_tables_show():
-    assert list(TASKS) == NAMES
+    assert [name for name in TASKS if name in NAMES] == NAMES
     for name, task in TASKS.items():
         assert name.endswith(task.metric.name)
 

@@ -3,6 +3,7 @@
 import gymnasium as gym
 import numpy as np
 import pytest
+from gymnasium.envs.registration import EnvSpec
 
 from stickslip import Groups, Scene
 from stickslip.crawler.model.variations import Choice, Range, variations, VARIED, varied, with_amplitude
@@ -26,6 +27,8 @@ def test_what_varies_and_between_what():
     assert found == {"hold": Range(0.1, 10.0, log=True), "duffing": Range(0.0, 5.0), "slope": Range(-0.1, 0.1)}
     assert list(found) == ["hold", "duffing", "slope"]
     assert variations("maps", {"duffing": np.array([1, 1])}) == {"duffing": Range(1.0, 1.0)}
+    assert variations("maps", {"hold": {"low": 1, "high": 4}}) == {"hold": Range(1.0, 4.0)}
+    assert variations("maps", {"hold": {"low": 1, "high": 4, "log": True}}) == {"hold": Range(1.0, 4.0, log=True)}
     assert variations("maps", None) == {}
 
 
@@ -66,6 +69,13 @@ def test_episodes_are_drawn_as_numpy_draws_uniform_numbers():
     assert np.median(low) < 1
 
 
+def test_a_range_is_kept_in_what_an_environment_was_made_from():
+    env = gym.make("StickSlipCrawler-v0", randomize={"duffing": Range(0.01, 10, log=True), "slope": (0, 0.1)})
+    again = gym.make(EnvSpec.from_json(env.spec.to_json()))
+    assert again.spec.kwargs["randomize"] == {"duffing": {"low": 0.01, "high": 10, "log": True}, "slope": [0, 0.1]}
+    assert again.reset(seed=3)[1]["groups"] == env.reset(seed=3)[1]["groups"]
+
+
 @pytest.mark.parametrize(
     ("given", "error", "message"),
     [
@@ -77,6 +87,9 @@ def test_episodes_are_drawn_as_numpy_draws_uniform_numbers():
         ({"duffing": (2, 1)}, ValueError, r"maps duffing must be a pair with low <= high, got \(2, 1\)"),
         ({"duffing": (-1, 1)}, ValueError, r"maps duffing must be in \[0, inf\), got -1"),
         ({"duffing": ("a", 1)}, TypeError, r"maps duffing must be a number in \[0, inf\), got 'a'"),
+        ({"hold": {"low": 1}}, ValueError, r"maps hold must be a pair \(low, high\), got \{'low': 1\}"),
+        ({"hold": {"low": 1, "high": 2, "step": 1}}, ValueError, "maps hold has no 'step'; allowed are"),
+        ({"hold": {"low": 1, "high": 2, "log": 1}}, TypeError, "maps hold log must be True or False, got 1"),
         ({"hold": Range(-1, 1)}, ValueError, r"maps hold must be in \(0, inf\), got -1"),
     ],
 )
