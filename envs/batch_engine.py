@@ -17,18 +17,19 @@ from ..compiling.vectors import aligned_zeros, LANES
 from ..crawler import Groups, Scene
 from ..crawler.batch.advance import lane_workspace
 from ..crawler.closed_form.loop import is_linear
-from ..crawler.model.state import Body, SLIPS, STUCK
+from ..crawler.model.state import Body, SLIPS
 from ..crawler.refusals import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
 from ..crawler.steps.options import MAX_STEPS
 from ..crawler.steps.workspace import ROWS, WIDTH
 from ..reservoir.prequential_lanes import blank_readouts, forget, packed, Readouts, readouts_of, unpack
-from .batch_kernel import batch_of, Reward, STEP_BATCH
+from .batch_kernel import batch_of, Episode, STEP_BATCH
 from .calibration import calibrated_memory, calibration_valves
-from .rendering.drawing import Frame
-from .settings import Choice, COUNTS, NUMBERS, Settings
+from .infos import COUNTS, NUMBERS
+from .rendering.frame import Frame, frame_of
+from .settings import Choice, Settings
 from .single_kernel import Stepper, stepper_for
-from .state import CrawlerState, observation_of
+from .state import CrawlerState
 
 __all__ = ["BatchEngine"]
 
@@ -81,7 +82,7 @@ class BatchEngine:
         settings = self._settings = kinds[0]
         self._alike = len(kinds) == 1 and not settings.randomize
         count = len(kind)
-        self._reward = Reward(settings.hold, settings.dither, settings.memory_weight, longest)
+        self._episode = Episode(settings.hold, settings.dither, settings.memory_weight, longest)
         self.batch, self.results = batch_of(count, settings.samples)
         self.generators: list[Any] = [None] * count
         self.seeds: list[int | None] = [None] * count
@@ -194,22 +195,8 @@ class BatchEngine:
 
     def frame(self, i: int) -> Frame:
         """What a picture of crawler `i` shows."""
-        steps, told = int(self.batch.steps[i]), self.results
-        if steps == 0:
-            return Frame(0.0, 0.0, 0.0, 0.0, STUCK, False, 0, 0.0, None)
-        body = Body(*self.batch.bodies[:, i].tolist())
-        speed = float(told.numbers[NUMBERS.index("speed"), i])
-        return Frame(
-            steps * self._settings.hold,
-            body.deformation,
-            body.pressure,
-            body.foot,
-            int(body.mode),
-            speed != 0.0,
-            int(told.counts[COUNTS.index("valve"), i]),
-            speed,
-            None if self._readouts is None else float(told.numbers[NUMBERS.index("memory"), i]),
-        )
+        time, body = int(self.batch.steps[i]) * self._settings.hold, Body(*self.batch.bodies[:, i].tolist())
+        return frame_of(time, body, self._told(i), self._readouts is not None)
 
     def close(self) -> None:
         """End the threads."""
@@ -226,6 +213,10 @@ class BatchEngine:
         for i, generator in enumerate(self.generators):  # which lie elsewhere than those copied
             if generator is not None:
                 self.draw_from(i, generator, self.seeds[i])
+
+    def _told(self, i: int) -> NDArray[np.float64]:
+        """What the last step has told of a crawler: `stickslip.envs.infos.TOLD`."""
+        return np.array([*self.results.numbers[: len(NUMBERS), i], *self.results.counts[:, i]])
 
     def _draw(self, indices: list[int], choices: Sequence[Choice] | None) -> None:
         """Settle who crawls where in the episodes to come."""
@@ -273,7 +264,8 @@ class BatchEngine:
             scene,
             self.batch.bodies[:, i].copy(),
             int(self.batch.steps[i]),
-            np.array([*self.results.numbers[: len(NUMBERS), i], *self.results.counts[:, i]]),
+            self.results.observations[i].copy(),
+            self._told(i),
             () if self._readouts is None else packed(self._readouts, i),
             over,
             deepcopy(self.generators[i]) if generator else None,
@@ -299,7 +291,7 @@ class BatchEngine:
             assert state is not None
             self.batch.bodies[:, indices] = state.body[:, np.newaxis]
             self.batch.steps[indices] = state.steps
-            self.results.observations[indices] = observation_of(state)
+            self.results.observations[indices] = state.observation
             self.results.numbers[: len(NUMBERS), indices] = state.told[: len(NUMBERS), np.newaxis]
             self.results.counts[:, indices] = state.told[len(NUMBERS) :, np.newaxis]
             if self._readouts is not None:
@@ -345,7 +337,7 @@ class BatchEngine:
                     idle if others is None else idle | others,
                     self.batch,
                     self._readouts,
-                    self._reward,
+                    self._episode,
                     options.tolerance,
                     options.order,
                     options.max_steps,

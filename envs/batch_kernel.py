@@ -10,16 +10,17 @@ from ..compiling.compilation import compiled, merged
 from ..compiling.generators import next_uniform
 from ..compiling.vectors import aligned_zeros, LANES
 from ..crawler import Groups
-from ..crawler.batch.advance import advance_lanes
-from ..crawler.model.state import Body, Coefficients, FOOT, SLIPS
+from ..crawler.batch.advance import advance_lanes, body_of, coefficients_at
+from ..crawler.model.state import Body, Coefficients, FOOT
 from ..crawler.steps.options import FINISHED, Method, METHODS, Options
 from ..reservoir.prequential_lanes import Readouts, score_lanes
-from .settings import COUNTS, NUMBERS
+from .infos import COUNTS, NUMBERS, write_counts, write_numbers
+from .observation import observe, seen_at_rest
+from .reward import reward, surprise
+from .transition import Transition
 
-__all__ = ["STEP_BATCH", "Batch", "Results", "Reward", "batch_of"]
+__all__ = ["STEP_BATCH", "Batch", "Episode", "Results", "batch_of"]
 
-_SPEED, _MEMORY, _DISTANCE, _INNOVATION = range(len(NUMBERS))
-_VALVE, _SLIPS_SO_FAR = range(len(COUNTS))
 Array = NDArray[np.float64]
 
 
@@ -39,7 +40,7 @@ class Batch(NamedTuple):
 class Results(NamedTuple):
     """What a step answers, each of n."""
 
-    observations: NDArray[np.float32]  # (n, 5)
+    observations: NDArray[np.float32]  # (n, OBSERVATION)
     rewards: Array
     truncations: NDArray[np.bool_]
     numbers: Array  # (NUMBERS, the groups and the slope, n)
@@ -48,8 +49,8 @@ class Results(NamedTuple):
     elapsed: Array
 
 
-class Reward(NamedTuple):
-    """What the reward is made of, the same for all."""
+class Episode(NamedTuple):
+    """What is the same for all."""
 
     hold: float
     dither: float
@@ -71,7 +72,7 @@ def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
         np.zeros(count, np.int64),
     )
     results = Results(
-        np.zeros((count, 5), np.float32),
+        seen_at_rest(count),
         np.zeros(count),
         np.zeros(count, np.bool_),
         np.zeros((len(NUMBERS) + len(Groups.__slots__) + 1, count)),
@@ -94,7 +95,7 @@ def _step_batch(
     skipped: NDArray[np.bool_],
     batch: Batch,
     readouts: Readouts | None,
-    reward: Reward,
+    episode: Episode,
     tolerance: float,
     order: int,
     max_steps: int,
@@ -121,7 +122,7 @@ def _step_batch(
     batch : Batch
     readouts : Readouts or None
         None where the dither is 0: there is no message, and nothing to score.
-    reward : Reward
+    episode : Episode
     tolerance, order, max_steps
         As in `Options`.
     workspaces : array
@@ -130,7 +131,7 @@ def _step_batch(
     results : Results
         Where a status is not FINISHED the rest is of the step before, and does not count.
     """
-    hold, dither = reward.hold, reward.dither
+    hold, dither = episode.hold, episode.dither
     if opens:
         for i in range(begin, end):
             batch.scores[i] = 0.0
@@ -143,8 +144,7 @@ def _step_batch(
                 valve = 1 - valve
             batch.valves[i] = valve
             batch.starts[i] = batch.bodies[FOOT, i]
-            batch.scores[i] = valve - abs(commands[i] - dither)
-            results.numbers[_INNOVATION, i] = batch.scores[i]
+            batch.scores[i] = surprise(valve, commands[i], dither)
     options = Options(tolerance, order, max_steps, False, False, False, method)
     advance_lanes(
         batch.bodies,
@@ -174,23 +174,23 @@ def _step_batch(
             continue
         if results.statuses[i] != FINISHED:
             continue
-        foot = batch.bodies[FOOT, i]
-        speed = (foot - batch.starts[i]) / hold
-        memory = batch.scores[i] if readouts is not None else 0.0
-        observation = results.observations[i]
-        observation[0] = batch.bodies[0, i]
-        observation[1] = batch.bodies[1, i]
-        observation[2] = batch.bodies[2, i]
-        observation[3] = batch.bodies[4, i]
-        observation[4] = batch.valves[i]
+        step = Transition(
+            batch.starts[i],
+            body_of(batch.bodies, i),
+            coefficients_at(batch.coefficients, i),
+            commands[i],
+            batch.valves[i],
+            hold,
+            dither,
+            episode.memory_weight,
+            batch.scores[i] if readouts is not None else 0.0,
+        )
         batch.steps[i] += 1
-        results.rewards[i] = (1.0 - reward.memory_weight) * speed + reward.memory_weight * memory
-        results.truncations[i] = batch.steps[i] >= reward.longest
-        results.numbers[_SPEED, i] = speed
-        results.numbers[_MEMORY, i] = memory
-        results.numbers[_DISTANCE, i] = foot
-        results.counts[_VALVE, i] = batch.valves[i]
-        results.counts[_SLIPS_SO_FAR, i] = int(batch.bodies[SLIPS, i])
+        observe(results.observations[i], step)
+        write_numbers(results.numbers[:, i], step)
+        write_counts(results.counts[:, i], step)
+        results.rewards[i] = reward(step)
+        results.truncations[i] = batch.steps[i] >= episode.longest
 
 
 def _stepper(method: type[Method]) -> Callable[..., None]:
@@ -206,7 +206,7 @@ def _stepper(method: type[Method]) -> Callable[..., None]:
         skipped: NDArray[np.bool_],
         batch: Batch,
         readouts: Readouts | None,
-        reward: Reward,
+        episode: Episode,
         tolerance: float,
         order: int,
         max_steps: int,
@@ -225,7 +225,7 @@ def _stepper(method: type[Method]) -> Callable[..., None]:
             skipped,
             batch,
             readouts,
-            reward,
+            episode,
             tolerance,
             order,
             max_steps,

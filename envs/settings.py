@@ -5,8 +5,6 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from gymnasium import spaces
-from numpy.typing import NDArray
 
 from ..common.validation import known_names, number_within, whole_number
 from ..crawler import Groups, GroupsLike, Scene
@@ -14,7 +12,7 @@ from ..crawler.model.groups import RANGES
 from ..crawler.model.variations import Range, variations, varied
 from ..crawler.simulation import TOLERANCES
 
-__all__ = ["COUNTS", "CRAWLER_OPTIONS", "NUMBERS", "Choice", "Settings", "begun", "known_options"]
+__all__ = ["CRAWLER_OPTIONS", "Choice", "Settings", "known_options"]
 
 # Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
 _HOLDS = "(0, 10000]"
@@ -24,10 +22,6 @@ _SLOPE = "slope"
 
 CRAWLER_OPTIONS = ("groups", _SLOPE)
 """Options of a reset that say who crawls where in the episode."""
-
-NUMBERS = ("speed", "memory", "distance", "innovation")
-COUNTS = ("valve", "slips")
-"""What `reset` and `step` tell beside the crawler's groups and the slope: floats, and whole numbers."""
 
 
 class Choice(NamedTuple):
@@ -114,15 +108,6 @@ class Settings:
         """Var e of the message."""
         return self.dither * (1.0 - self.dither)
 
-    def observation_space(self) -> spaces.Space[NDArray[np.float32]]:
-        """Space of deformation, rate, pressure, foot velocity and valve."""
-        backward = 0.0 if self.scene.ratchet or self.scene.anchored else -np.inf
-        space: spaces.Space[Any] = spaces.Box(
-            np.array([-np.inf, -np.inf, 0.0, backward, 0.0], np.float32),
-            np.array([np.inf, np.inf, 1.0, np.inf, 1.0], np.float32),
-        )
-        return space
-
     def choose(self, groups: GroupsLike | None = None, slope: float | None = None) -> Choice:
         """Check what the options of a reset say of the episode's crawler.
 
@@ -171,11 +156,6 @@ def known_options(options: dict[str, Any] | None, allowed: Sequence[str]) -> dic
         raise TypeError(f"options must be a dict or None, got {options!r}")
     known_names("options", options, allowed)
     return dict(options)
-
-
-def begun(groups: Groups, scene: Scene) -> dict[str, Any]:
-    """What `reset` tells of an episode: that nothing has happened yet, and who crawls where."""
-    return {**dict.fromkeys(NUMBERS, 0.0), **dict.fromkeys(COUNTS, 0), "groups": groups.to_dict(), "slope": scene.slope}
 
 
 def _ranges(randomize: Mapping[str, Sequence[float]] | None, groups: Groups) -> dict[str, Range]:

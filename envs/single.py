@@ -3,6 +3,7 @@
 import operator
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
+from textwrap import indent
 from typing import Any, Literal
 
 import gymnasium as gym
@@ -13,18 +14,24 @@ from numpy.typing import NDArray
 
 from ..compiling.generators import whereabouts
 from ..crawler import Groups, GroupsLike, Scene
-from ..crawler.model.state import SLIPS
+from ..crawler.model.state import Body, SLIPS
 from ..crawler.refusals import solver_error
 from ..crawler.steps.options import FINISHED, MAX_STEPS
 from ..reservoir.prequential import PrequentialMemory
 from .calibration import calibrated_memory
-from .rendering.drawing import Frame, Renderer
-from .settings import begun, CRAWLER_OPTIONS, known_options, Settings
-from .single_kernel import calibration_states, NO_MEMORY, rest, stepper_for, TOLD, TOLD_OF_STATE
+from .infos import begun, info_of, place_of, table_of_infos, TOLD
+from .observation import observation_space, seen_at_rest
+from .rendering.drawing import Renderer
+from .rendering.frame import frame_of
+from .settings import CRAWLER_OPTIONS, known_options, Settings
+from .single_kernel import ANSWERS, calibration_states, ELAPSED, NO_MEMORY, rest, REWARD, samples_of, stepper_for
 from .specification import Specified
 from .state import CrawlerState, refuse_foreign
 
 __all__ = ["StickSlipCrawlerEnv"]
+
+
+_TOLD, _SLIPS = len(TOLD), place_of("slips")
 
 
 class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
@@ -93,16 +100,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
 
     The same keys from `reset`, where nothing has happened yet, and from `step`.
 
-    | Key          | Type             | Description                                             | At reset |
-    |--------------|------------------|---------------------------------------------------------|----------|
-    | `speed`      | float            | of the foot, its mean over the hold, z_c / t_c          | 0        |
-    | `memory`     | float            | what the readout earned                                 | 0        |
-    | `distance`   | float            | of the foot from its start, z_c                         | 0        |
-    | `innovation` | float            | e_k                                                     | 0        |
-    | `valve`      | int              | u_k, after the flip                                     | 0        |
-    | `slips`      | int              | so far in the episode                                   | 0        |
-    | `groups`     | dict of floats   | the episode's own, by name                              | the same |
-    | `slope`      | float            | the episode's own                                       | the same |
+    {infos}
 
     ## Arguments
 
@@ -160,10 +158,11 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         self.render_mode = render_mode
 
         self.action_space = spaces.Discrete(2)
-        self.observation_space = self.settings.observation_space()
+        self.observation_space = observation_space(self.settings.scene)
 
-        self._samples = np.empty((5, self.settings.samples))
-        self._told = np.empty(TOLD)
+        self._samples = samples_of(self.settings.samples)
+        self._observation = seen_at_rest()
+        self._answers = np.empty(ANSWERS)
         self._memory: PrequentialMemory | None = None
         self._drawn_from: np.random.Generator | None = None
         self._whereabouts = 0, 0
@@ -186,7 +185,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
 
         Returns
         -------
-        observation : (5,) array of float32
+        observation : array of float32
         info : dict
 
         Raises
@@ -202,11 +201,12 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             self._readout = self._memory.arrays
         self._settle(*self.settings.draw(self.np_random, choice))
         self._body = rest()
-        self._told[:] = 0.0
+        self._observation = seen_at_rest()
+        self._answers[:] = 0.0
         self._steps = 0
         if self.render_mode == "human":
             self.render()
-        return np.zeros(5, np.float32), begun(self.episode_groups, self.episode_scene)
+        return self._observation.copy(), begun(self.episode_groups, self.episode_scene)
 
     def step(self, action: int | np.integer) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Hold the valve as commanded, or flipped, for one hold.
@@ -218,7 +218,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
 
         Returns
         -------
-        observation : (5,) array of float32
+        observation : array of float32
         reward : float
         terminated : bool
             Always False.
@@ -241,7 +241,6 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         command = self._command(action)
         if self._np_random is not self._drawn_from:
             self._draw_from(self.np_random)
-        observation = np.empty(5, np.float32)
         step, fixed, workspace, solver = self._stepper
         status = step(
             body,
@@ -250,32 +249,24 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             *self._whereabouts,
             self._samples,
             workspace,
-            observation,
-            self._told,
+            self._observation,
+            self._answers,
             *self._readout,
             self._steps + 1,
         )
-        speed, memory, distance, innovation, reward, valve, slips, elapsed = self._told.tolist()
+        answers = self._answers.tolist()
         if status != FINISHED:
             self._body = None
             began = self._steps * self.settings.hold
             crawler = self.episode_groups, self.episode_scene, self.settings.tolerance
-            after, gained = float(body[0]), int(body[SLIPS] - slips)  # those told are of the step before
-            raise solver_error(status, began + elapsed, after, MAX_STEPS, *crawler, solver, gained, began)
+            after, gained = float(body[0]), int(body[SLIPS] - answers[_SLIPS])  # those told are of the step before
+            raise solver_error(status, began + answers[ELAPSED], after, MAX_STEPS, *crawler, solver, gained, began)
         self._steps += 1
         if self.render_mode == "human":
             self.render()
-        info = {
-            "speed": speed,
-            "memory": memory,
-            "distance": distance,
-            "innovation": innovation,
-            "valve": int(valve),
-            "slips": int(slips),
-            "groups": self._groups.copy(),  # the caller keeps it
-            "slope": self._slope,
-        }
-        return observation, reward, False, False, info
+        # The caller keeps the observation and the groups.
+        info = info_of(answers, self._groups.copy(), self._slope)
+        return self._observation.copy(), answers[REWARD], False, False, info
 
     @property
     def np_random(self) -> np.random.Generator:
@@ -323,19 +314,8 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             raise ResetNeeded("render needs a call of reset first")
         if self._renderer is None:
             self._renderer = Renderer(self.render_mode, self.metadata["render_fps"])
-        speed, memory, distance, _, valve, _ = self._told[TOLD_OF_STATE].tolist()
-        frame = Frame(
-            self._steps * self.settings.hold,
-            float(body[0]),
-            float(body[2]),
-            distance,
-            int(body[5]),
-            speed != 0.0,
-            int(valve),
-            speed,
-            None if self._memory is None or self._steps == 0 else memory,
-        )
-        return self._renderer.draw(frame)
+        time, remembers = self._steps * self.settings.hold, self._memory is not None
+        return self._renderer.draw(frame_of(time, Body(*body.tolist()), self._answers[:_TOLD], remembers))
 
     def get_state(self, *, generator: bool = True) -> CrawlerState:
         """State of the crawler in its episode, from which any environment of the same arguments can go on.
@@ -364,7 +344,8 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             self.episode_scene,
             self._body.copy(),
             self._steps,
-            self._told[TOLD_OF_STATE],
+            self._observation.copy(),
+            self._answers[:_TOLD].copy(),
             () if self._memory is None else self._memory.packed(),
             False,
             deepcopy(self.np_random) if generator else None,
@@ -391,7 +372,8 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             self._memory.unpack(state.readout, state.steps)
             self._readout = self._memory.arrays
         self._body = state.body.copy()
-        self._told[TOLD_OF_STATE] = state.told
+        self._observation = state.observation.copy()
+        self._answers[:_TOLD] = state.told
         self._steps = state.steps
         if state.generator is not None:
             self._np_random, self._np_random_seed = deepcopy(state.generator), state.seed
@@ -434,3 +416,8 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         if command not in (0, 1):
             raise ValueError(f"action must be 0 or 1, got {action!r}")
         return command
+
+
+if StickSlipCrawlerEnv.__doc__:  # which Python leaves out where it is told to
+    _table = indent(table_of_infos(), " " * 4).strip()
+    StickSlipCrawlerEnv.__doc__ = StickSlipCrawlerEnv.__doc__.replace("{infos}", _table)

@@ -15,27 +15,39 @@ from ..compiling.generators import next_uniform
 from ..crawler.drive import advance_by_method
 from ..crawler.model.groups import Groups
 from ..crawler.model.scene import Scene
-from ..crawler.model.state import Body, Coefficients, coefficients_of, FOOT, NOTHING_YET, SLIPS
+from ..crawler.model.state import Body, Coefficients, coefficients_of, FOOT, NOTHING_YET, SLIPS, State
 from ..crawler.refusals import solver_error
 from ..crawler.solvers import AUTO, choose
 from ..crawler.steps.options import FINISHED, MAX_STEPS, Method, METHODS, Options
 from ..reservoir.prequential import score
 from .calibration import calibration_valves
+from .infos import place_of, TOLD, write_told
+from .observation import observe, seen_at_rest
+from .reward import reward, surprise
 from .settings import Settings
+from .transition import Transition
 
-__all__ = ["NO_MEMORY", "TOLD", "TOLD_OF_STATE", "Stepper", "calibration_states", "rest", "stepper_for"]
+__all__ = [
+    "ANSWERS",
+    "ELAPSED",
+    "NO_MEMORY",
+    "REWARD",
+    "Stepper",
+    "calibration_states",
+    "rest",
+    "samples_of",
+    "stepper_for",
+]
 
 _BODY = len(Body._fields)
 _HOLD, _TOLERANCE, _ORDER, _MAX_STEPS, _DITHER, _WEIGHT, _VARIANCE = range(
     len(Coefficients._fields), len(Coefficients._fields) + 7
 )
-_SPEED, _MEMORY, _DISTANCE, _INNOVATION, _REWARD, _VALVE, _SLIPS_SO_FAR, _ELAPSED = range(8)
+REWARD, ELAPSED = len(TOLD), len(TOLD) + 1
+"""Places of the reward, and of the time into the hold that was reached."""
 
-TOLD = 8
-"""Numbers that a step writes down."""
-
-TOLD_OF_STATE = [_SPEED, _MEMORY, _DISTANCE, _INNOVATION, _VALVE, _SLIPS_SO_FAR]
-"""Those of them that are told, in the order of NUMBERS and COUNTS."""
+ANSWERS = len(TOLD) + 2
+"""Numbers that a step writes down: `stickslip.envs.infos.TOLD`, and these two."""
 
 NO_MEMORY = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
 """Arrays of a readout that neither scores nor learns."""
@@ -55,6 +67,11 @@ class Stepper(NamedTuple):
 def rest() -> Array:
     """State of a crawler at rest: the fields of `Body` in order, shape (7,)."""
     return np.zeros(_BODY)
+
+
+def samples_of(instants: int) -> Array:
+    """Place for z, v, p, x, w of the body at so many instants of a hold."""
+    return np.empty((len(State._fields), instants))
 
 
 def stepper_for(settings: Settings, groups: Groups, scene: Scene) -> Stepper:
@@ -82,14 +99,14 @@ def calibration_states(settings: Settings) -> Array:
     valves = calibration_valves(settings)
     groups, scene = settings.groups, settings.scene
     step, fixed, workspace, solver = stepper_for(settings, groups, scene)
-    body, observation, told = rest(), np.empty(5, np.float32), np.zeros(TOLD)
-    samples = np.empty((5, settings.samples))
+    body, observation, answers = rest(), seen_at_rest(), np.zeros(ANSWERS)
+    samples = samples_of(settings.samples)
     states = np.empty((len(valves), settings.features))
     for k, valve in enumerate(valves.tolist()):
-        status = step(body, fixed, valve, 0, 0, samples, workspace, observation, told, *NO_MEMORY, 0)
+        status = step(body, fixed, valve, 0, 0, samples, workspace, observation, answers, *NO_MEMORY, 0)
         if status != FINISHED:
             began, crawler = k * settings.hold, (groups, scene, settings.tolerance)
-            reached, gained = began + float(told[_ELAPSED]), int(body[SLIPS] - told[_SLIPS_SO_FAR])
+            reached, gained = began + float(answers[ELAPSED]), int(body[SLIPS] - answers[place_of("slips")])
             raise solver_error(status, reached, float(body[0]), MAX_STEPS, *crawler, solver, gained, began)
         states[k] = samples[:3].reshape(-1)
     return states
@@ -106,7 +123,7 @@ def _step(
     samples: Array,
     workspace: Array,
     observation: NDArray[np.float32],
-    told: Array,
+    answers: Array,
     weights: Array,
     covariance: Array,
     history: Array,
@@ -126,14 +143,14 @@ def _step(
         0 or 1.
     function, generator : int
         Where the random numbers come from, see `stickslip.compiling.generators`; 0 flips no command.
-    samples : (5, virtual_nodes) array
-        Receives z, v, p, x, w.
+    samples : array
+        From :func:`samples_of`; filled.
     workspace : array
         From :func:`stepper_for`.
-    observation : (5,) array of float32
-        Receives z, v, p, w and the valve.
-    told : (TOLD,) array
-        Receives speed, memory, distance, innovation, reward, valve, slips and the time into the hold that was reached.
+    observation : array of float32
+        Receives what `stickslip.envs.observation` names.
+    answers : (ANSWERS,) array
+        Filled.
     weights, covariance, history, rows, seen
         As `stickslip.reservoir.prequential.score` wants them; of length 0 where there is no message.
 
@@ -148,24 +165,26 @@ def _step(
     if function != 0 and next_uniform(np.uint64(function), np.uint64(generator)) < dither:
         valve = 1 - command
     start = body[FOOT]
+    hold = fixed[_HOLD]
+    coefficients = Coefficients(
+        fixed[0],
+        fixed[1],
+        fixed[2],
+        fixed[3],
+        fixed[4],
+        fixed[5],
+        fixed[6],
+        fixed[7],
+        fixed[8],
+        fixed[9] != 0.0,
+        fixed[10] != 0.0,
+    )
     outcome = advance_by_method(
         Body(body[0], body[1], body[2], body[3], body[4], int(body[5]), int(body[6])),
         NOTHING_YET,
-        Coefficients(
-            fixed[0],
-            fixed[1],
-            fixed[2],
-            fixed[3],
-            fixed[4],
-            fixed[5],
-            fixed[6],
-            fixed[7],
-            fixed[8],
-            fixed[9] != 0.0,
-            fixed[10] != 0.0,
-        ),
+        coefficients,
         float(valve),
-        fixed[_HOLD],
+        hold,
         Options(fixed[_TOLERANCE], int(fixed[_ORDER]), int(fixed[_MAX_STEPS]), False, False, False, method),
         0.0,
         samples,
@@ -180,26 +199,17 @@ def _step(
     body[4] = after.foot_velocity
     body[5] = after.mode
     body[6] = after.slips
-    observation[0] = after.deformation
-    observation[1] = after.velocity
-    observation[2] = after.pressure
-    observation[3] = after.foot_velocity
-    observation[4] = valve
-    told[_ELAPSED] = outcome.elapsed
+    answers[ELAPSED] = outcome.elapsed
     if outcome.status != FINISHED:
         return outcome.status
-    speed = (after.foot - start) / fixed[_HOLD]
-    innovation = valve - abs(command - dither)
     memory = 0.0
     if len(weights) > 0:
-        memory = score(weights, covariance, history, rows, seen, samples, innovation, fixed[_VARIANCE])
-    told[_SPEED] = speed
-    told[_MEMORY] = memory
-    told[_DISTANCE] = after.foot
-    told[_INNOVATION] = innovation
-    told[_REWARD] = (1.0 - fixed[_WEIGHT]) * speed + fixed[_WEIGHT] * memory
-    told[_VALVE] = valve
-    told[_SLIPS_SO_FAR] = after.slips
+        message = surprise(valve, command, dither)
+        memory = score(weights, covariance, history, rows, seen, samples, message, fixed[_VARIANCE])
+    step = Transition(start, after, coefficients, command, valve, hold, dither, fixed[_WEIGHT], memory)
+    observe(observation, step)
+    write_told(answers, step)
+    answers[REWARD] = reward(step)
     return outcome.status
 
 
@@ -215,7 +225,7 @@ def _stepper(method: type[Method]) -> Callable[..., int]:
         samples: Array,
         workspace: Array,
         observation: NDArray[np.float32],
-        told: Array,
+        answers: Array,
         weights: Array,
         covariance: Array,
         history: Array,
@@ -232,7 +242,7 @@ def _stepper(method: type[Method]) -> Callable[..., int]:
             samples,
             workspace,
             observation,
-            told,
+            answers,
             weights,
             covariance,
             history,

@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..crawler import Groups, Scene
-from .settings import COUNTS, NUMBERS, Settings
+from .infos import TOLD
+from .observation import OBSERVATION
+from .settings import Settings
 
-__all__ = ["CrawlerState", "observation_of", "refuse_foreign"]
+__all__ = ["CrawlerState", "refuse_foreign"]
 
 # Counted up whenever a state of before would no longer be gone on from to the bit.
-VERSION = 1
-_VALVE = len(NUMBERS) + COUNTS.index("valve")
+VERSION = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +33,10 @@ class CrawlerState:
         Deformation, velocity, pressure, foot, foot velocity, kind of motion and slips so far.
     steps : int
         Of the episode so far.
-    told : (6,) array
-        Speed, memory, distance, innovation, valve and slips, as the last step told them.
+    observation : array of float32
+        What the last step has shown.
+    told : array
+        What the last step has told: `stickslip.envs.infos.TOLD`.
     readout : tuple of arrays
         Of the memory: weights, the lower half of the covariance by rows, and past innovations, newest first; empty
         where there is no message.
@@ -52,18 +55,13 @@ class CrawlerState:
     scene: Scene
     body: NDArray[np.float64]
     steps: int
+    observation: NDArray[np.float32]
     told: NDArray[np.float64]
     readout: tuple[NDArray[np.float64], ...]
     over: bool
     generator: np.random.Generator | None
     seed: int | None
     version: int = VERSION
-
-
-def observation_of(state: CrawlerState) -> NDArray[np.float32]:
-    """What the last step has shown, shape (5,)."""
-    deformation, velocity, pressure, _, foot_velocity = state.body[:5]
-    return np.array([deformation, velocity, pressure, foot_velocity, state.told[_VALVE]], np.float32)
 
 
 def refuse_foreign(state: object, settings: Settings) -> None:
@@ -81,6 +79,11 @@ def refuse_foreign(state: object, settings: Settings) -> None:
     version = getattr(state, "version", None)
     if version != VERSION:
         raise ValueError(f"state must be of version {VERSION}, got one of version {version}")
+    if len(state.told) != len(TOLD) or len(state.observation) != len(OBSERVATION):
+        raise ValueError(
+            f"state must hold an observation of {len(OBSERVATION)} and {TOLD}, "
+            f"got an observation of {len(state.observation)} and {len(state.told)} numbers told"
+        )
     for field in fields(Settings):
         own, other = (getattr(each, field.name, None) for each in (settings, state.settings))
         if own != other:

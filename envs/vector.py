@@ -17,8 +17,10 @@ from ..common.validation import truth_value, whole_number
 from ..crawler import Groups, GroupsLike, Scene
 from ..crawler.model.groups import groups_of_each
 from .batch_engine import BatchEngine
+from .infos import begun, COUNTS, NUMBERS, TOLD
+from .observation import observation_space
 from .rendering.tiling import Tiles
-from .settings import begun, Choice, COUNTS, CRAWLER_OPTIONS, known_options, NUMBERS, Settings
+from .settings import Choice, CRAWLER_OPTIONS, known_options, Settings
 from .single import StickSlipCrawlerEnv
 from .specification import Specified
 from .state import CrawlerState, refuse_foreign
@@ -28,7 +30,7 @@ __all__ = ["StickSlipCrawlerVectorEnv"]
 
 # Names of the masks beside the infos, those of the groups within theirs.
 _GROUPS_HAVING = tuple(f"_{name}" for name in Groups.__slots__)
-_HAVING = tuple(f"_{name}" for name in (*NUMBERS, *COUNTS, "groups", "slope"))
+_HAVING = tuple(f"_{name}" for name in (*TOLD, "groups", "slope"))
 
 
 class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArray[np.int64], NDArray[Any]]):
@@ -119,7 +121,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
 
         self.single_action_space = spaces.Discrete(2)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self.single_observation_space = self.settings.observation_space()
+        self.single_observation_space = observation_space(self.settings.scene)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
 
         longest = int(np.iinfo(np.int64).max)
@@ -148,7 +150,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
 
         Returns
         -------
-        observations : (num_envs, 5) array of float32
+        observations : (num_envs, ...) array of float32
             Of all; those that are not reset show their last one again.
         infos : dict
             Of those that are reset.
@@ -176,7 +178,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
 
         Returns
         -------
-        observations : (num_envs, 5) array of float32
+        observations : (num_envs, ...) array of float32
         rewards : (num_envs,) array of float64
         terminations : (num_envs,) array of bool
             All False.

@@ -15,8 +15,9 @@ from numba import njit
 
 from peer_solvers.problem import GROUPS, WORD
 from stickslip.crawler import Scene
+from stickslip.envs.observation import seen_at_rest
 from stickslip.envs.settings import Settings
-from stickslip.envs.single_kernel import NO_MEMORY, rest, Stepper, stepper_for, TOLD
+from stickslip.envs.single_kernel import ANSWERS, NO_MEMORY, rest, samples_of, Stepper, stepper_for
 
 __all__ = ["measure_calls"]
 
@@ -63,7 +64,7 @@ def _from_compiled(all_holds, stepper: Stepper) -> None:
 
 
 def _arrays(stepper: Stepper):
-    return rest(), np.empty((5, 1)), stepper.workspace, np.empty(5, np.float32), np.empty(TOLD), *NO_MEMORY
+    return rest(), samples_of(1), stepper.workspace, seen_at_rest(), np.empty(ANSWERS), *NO_MEMORY
 
 
 # Neither is cached on disk: numba would go on using the kernel that it saw first.

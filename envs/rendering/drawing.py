@@ -17,6 +17,7 @@ from typing import Literal, NamedTuple, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .frame import Frame
 from .window import import_pygame, Window
 
 if TYPE_CHECKING:
@@ -72,42 +73,6 @@ LONGEST_STREAK = 84
 
 CAMERA_TIME = 1.5  # the camera closes its distance to the crawler with this time constant, in t_c
 CAMERA_LAG = 1.5  # and is never farther behind than this, in z_c
-
-
-class Frame(NamedTuple):
-    """What one picture shows: the crawler at the end of a hold, in dimensionless units.
-
-    Attributes
-    ----------
-    time : float
-        Time since the episode began, in t_c.
-    deformation : float
-        Stretch of the body, in z_c.
-    pressure : float
-        Pressure in the body, in [0, 1].
-    foot : float
-        Position of the foot, in z_c.
-    motion : int
-        State of the foot at the end of the hold: 0 sticks, +1 slides forward, -1 slides backward.
-    slid : bool
-        Whether the foot slid at any time during the hold.
-    valve : int
-        1 while the valve feeds the body, 0 while it vents it.
-    speed : float
-        Mean speed over the hold, in z_c / t_c.
-    memory : float or None
-        The reward's memory term; None where there is no message to remember.
-    """
-
-    time: float
-    deformation: float
-    pressure: float
-    foot: float
-    motion: int
-    slid: bool
-    valve: int
-    speed: float
-    memory: float | None
 
 
 class Renderer:
@@ -293,7 +258,7 @@ class _Pose(NamedTuple):
     foot: int
     payload: int
     pressure: float
-    motion: int
+    contact_mode: int
 
 
 def _compose(canvas: _Canvas, frame: Frame, camera: _Camera) -> None:
@@ -319,7 +284,7 @@ def _posed(frame: Frame, camera: _Camera) -> _Pose:
         foot=round(origin + foot * PIXELS_PER_LENGTH),
         payload=round(origin + (foot + length) * PIXELS_PER_LENGTH),
         pressure=_fitting(frame.pressure, 0.0, 1.0),
-        motion=frame.motion,
+        contact_mode=frame.contact_mode,
     )
 
 
@@ -424,33 +389,33 @@ def _wheel(pg: ModuleType) -> pygame.Surface:
 
 def _draw_foot(canvas: _Canvas, pose: _Pose) -> None:
     width, height = FOOT_SIZE
-    image = canvas.sprite(("foot", pose.motion), lambda: _foot(canvas.pg, pose.motion))
+    image = canvas.sprite(("foot", pose.contact_mode), lambda: _foot(canvas.pg, pose.contact_mode))
     canvas.place(image, pose.foot - width / 2, GROUND + RULER_HEIGHT - height)
 
 
-def _foot(pg: ModuleType, motion: int) -> pygame.Surface:
+def _foot(pg: ModuleType, contact_mode: int) -> pygame.Surface:
     """Paint the foot: solid with teeth dug in where it sticks, hollow with them laid flat where it slides."""
     pen = _Pen(pg, FOOT_SIZE)
     middle, ground = FOOT_SIZE[0] / 2, FOOT_SIZE[1] - RULER_HEIGHT
-    colour = SLIDING if motion else STICKING
+    colour = SLIDING if contact_mode else STICKING
     for tooth in range(5):
         root = middle - 18 + 9 * tooth
-        if motion:
-            pen.line([(root, ground - 12), (root - 13 * motion, ground - 2)], colour, 2.5)
+        if contact_mode:
+            pen.line([(root, ground - 12), (root - 13 * contact_mode, ground - 2)], colour, 2.5)
         else:
             pen.polygon([(root - 4.5, ground - 14), (root + 4.5, ground - 14), (root - 5, ground + 9)], colour)
     pen.box((middle - 27, ground - 28, 54, 17), colour, 7)
     pen.box((middle - 20, ground - 108, 40, 92), colour, 10)
-    if motion:
+    if contact_mode:
         pen.box((middle - 15, ground - 103, 30, 82), PAPER, 6)
     return pen.image()
 
 
 def _draw_streaks(canvas: _Canvas, pose: _Pose, frame: Frame) -> None:
     """Draw streaks behind a foot that slid during the hold, longer where it went faster."""
-    if not (frame.slid or pose.motion):
+    if not (frame.slid or pose.contact_mode):
         return
-    heading = pose.motion or (-1 if frame.speed < 0 else 1)
+    heading = pose.contact_mode or (-1 if frame.speed < 0 else 1)
     length = _fitting(30 + 30 * abs(frame.speed), 20, LONGEST_STREAK)
     for row, share in enumerate((0.6, 1.0, 0.75)):
         reach = round(length * share)
@@ -495,7 +460,7 @@ def _draw_gauge(canvas: _Canvas, pose: _Pose) -> None:
 
 def _draw_readout(canvas: _Canvas, frame: Frame) -> None:
     entries = (
-        ("foot", FOOT_STATES[frame.motion], SLIDING if frame.motion else STICKING),
+        ("foot", FOOT_STATES[frame.contact_mode], SLIDING if frame.contact_mode else STICKING),
         ("time", f"{_written(frame.time, 1)} t_c", INK),
         ("distance", f"{_written(frame.foot, 1)} z_c", INK),
         ("speed", f"{_written(frame.speed, 2)} z_c/t_c", INK),

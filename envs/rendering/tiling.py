@@ -9,7 +9,8 @@ from typing import Literal, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .drawing import Frame, GREY, MIST, Renderer, VALUE_SIZE
+from .drawing import GREY, MIST, Renderer, VALUE_SIZE
+from .frame import Frame
 from .window import import_pygame, Window
 
 if TYPE_CHECKING:

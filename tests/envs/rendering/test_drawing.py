@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 from gymnasium.error import DependencyNotInstalled
 
-from stickslip.envs.rendering.drawing import Frame, HEIGHT, Renderer, WIDTH
+from stickslip.envs.rendering.drawing import HEIGHT, Renderer, WIDTH
+from stickslip.envs.rendering.frame import Frame
 
 pytest.importorskip("pygame")
 
-FRAME = Frame(time=3.0, deformation=0.4, pressure=0.5, foot=2.0, motion=0, slid=False, valve=0, speed=0.5, memory=0.3)
+FRAME = Frame(
+    time=3.0, deformation=0.4, pressure=0.5, foot=2.0, contact_mode=0, slid=False, valve=0, speed=0.5, memory=0.3
+)
 
 
 def drawn(frame):
@@ -50,8 +53,8 @@ def test_channels_are_red_green_blue():
         {"deformation": 0.5},
         {"pressure": 0.6},
         {"foot": 2.1},
-        {"motion": 1},
-        {"motion": -1},
+        {"contact_mode": 1},
+        {"contact_mode": -1},
         {"slid": True},
         {"valve": 1},
         {"speed": 0.6},
@@ -68,7 +71,7 @@ def test_sticking_and_sliding_differ_in_shape_not_in_colour_alone():
     def dark(frame):
         return drawn(frame).min(axis=2)[HEIGHT // 4 :] < 128
 
-    changed = dark(FRAME) != dark(FRAME._replace(motion=1))
+    changed = dark(FRAME) != dark(FRAME._replace(contact_mode=1))
     assert changed.sum() > 1000
 
 
@@ -97,7 +100,7 @@ def test_a_new_episode_forgets_where_the_last_one_ended():
 def test_the_crawler_stays_in_view_whatever_its_speed():
     renderer = Renderer("rgb_array", fps=30)
     for step in range(30):
-        image = renderer.draw(FRAME._replace(time=0.5 * step, foot=3.0 * step, motion=1))
+        image = renderer.draw(FRAME._replace(time=0.5 * step, foot=3.0 * step, contact_mode=1))
         orange = (image[HEIGHT // 2 :] == (213, 94, 0)).all(axis=2)
         assert orange.sum() > 500
 

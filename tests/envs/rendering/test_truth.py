@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 from pictures import AIR, BLUE, box_of, GREY, INK, MIST, ORANGE, places_of, shown_in, width_of
 
-from stickslip.envs.rendering.drawing import Frame, Renderer
+from stickslip.envs.rendering.drawing import Renderer
+from stickslip.envs.rendering.frame import Frame
 
 RESTING = Frame(0.0, 0.4, 0.5, 2.0, 0, False, 0, 0.5, 0.3)
-SLIDING, BACKWARD = (RESTING._replace(**{RESTING._fields[4]: mode}) for mode in (1, -1))
+SLIDING, BACKWARD = (RESTING._replace(contact_mode=mode) for mode in (1, -1))
 SCALE, GROUND, FOOT = 60, 258, 300  # pixels a unit of length; the ground's height; where the camera puts the foot
 HEADER = 70  # the words' height
 
