@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from stickslip.crawler import Groups, Scene, simulate, SolverError, State
+from stickslip.crawler import Groups, Scene, simulate, simulation, SolverError, State
 from stickslip.crawler.model.state import Body, coefficients_of, NOTHING_YET, STUCK
 from stickslip.crawler.motion.loop import advance
 from stickslip.crawler.refusals import solver_error
@@ -445,3 +445,14 @@ def test_a_body_is_followed_up_to_1e12_units(solver):
     assert far.deformation[-1] == pytest.approx(3e11 * np.cos(0.25 * np.sqrt(2.0)), rel=1e-9)
     with pytest.raises(SolverError, match=r"^the motion diverged at time 0 "):
         simulate(groups, [0], 0.25, initial=State(3e12), **arguments)
+
+
+def test_slips_of_the_run_are_told(monkeypatch):
+    honest = simulation.run_crawler
+
+    def spent(*given):
+        outcome, *more = honest(*given)
+        return outcome._replace(status=OUT_OF_STEPS, body=outcome.body._replace(slips=40_000)), *more
+
+    monkeypatch.setattr(simulation, "run_crawler", spent)
+    assert re.search(r": 40000 slips have accumulated, ", refusal({}, [1, 0], 1.0))
