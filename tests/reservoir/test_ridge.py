@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from stickslip.reservoir import fit_readout, predict_held_out
-from stickslip.reservoir.ridge import samples_needed
+from stickslip.reservoir.ridge import samples_needed, training_samples
 
 
 @pytest.fixture
@@ -96,6 +96,14 @@ def test_fewer_training_samples_than_features(data):
 def test_the_samples_said_to_be_needed_are_enough_for_any_number_of_features(holdout):
     for features in range(1, 200):
         needed = samples_needed(features, holdout)
-        prediction, _ = predict_held_out(np.eye(needed, features), np.arange(needed), holdout=holdout, ridge=1.0)
-        assert needed - len(prediction) >= features
-        assert len(prediction) >= 2
+        training = training_samples(needed, holdout)
+        assert training >= features
+        assert needed - training >= 2
+        if features in (1, 7, 60):
+            x = np.eye(needed, features)
+            prediction, _ = predict_held_out(x, np.arange(needed), holdout=holdout, ridge=1.0)
+            assert len(prediction) == needed - training
+            with pytest.raises(
+                ValueError, match=f"^states must have at least {needed} samples for {features} features"
+            ):
+                predict_held_out(x[1:], np.arange(needed - 1), holdout=holdout, ridge=1.0)
