@@ -244,6 +244,11 @@ def test_names_of_columns_are_those_that_were_fitted():
     frame = pandas.DataFrame({"left": SERIES[:9], "right": SERIES[9:18]})
     reservoir = CrawlerReservoir(virtual_nodes=1, readings="velocity").fit(frame)
     assert reservoir.get_feature_names_out().tolist() == ["left_velocity_0", "right_velocity_0"]
+    assert (
+        reservoir.get_feature_names_out().dtype
+        == CrawlerReservoir().fit(SERIES).get_feature_names_out().dtype
+        == object
+    )
     assert reservoir.get_feature_names_out(["left", "right"]).tolist() == ["left_velocity_0", "right_velocity_0"]
     with pytest.raises(ValueError, match=r"input_features is not equal to feature_names_in_, \['left', 'right'\], got"):
         reservoir.get_feature_names_out(["right", "left"])

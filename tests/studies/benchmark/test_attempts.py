@@ -7,6 +7,7 @@ import pytest
 from stickslip.crawler import Groups, Scene, simulate
 from stickslip.reservoir import memory_capacity
 from stickslip.studies.benchmark import estimates, Record, run_benchmark, STANDARD_RESERVOIRS, STANDARD_TASKS, table
+from stickslip.studies.benchmark.attempts import attempts
 from stickslip.tasks import (
     crawler_states,
     DelayLine,
@@ -120,6 +121,39 @@ def test_a_series_drives_a_reservoir_once_however_many_tasks_share_it():
         length=800,
     )
     assert calls == [0, 1]
+
+
+def test_arguments_by_default_and_given():
+    asked = []
+
+    class Task:
+        metric = Metric("score", None, True, 0.0)
+
+        def attempt(self, reservoir, *, length, seed, washout):
+            asked.append((length, seed, washout))
+            return Solution(float(seed), details={"washout": washout})
+
+    of = {"tasks": {"t": Task()}, "reservoirs": {"r": DelayLine(2)}}
+    records = run_benchmark(**of)
+    assert asked == [(4000, seed, 200) for seed in range(5)]
+    assert records[3] == Record("t", "r", 3, 3.0, {"washout": 200})
+    asked.clear()
+    run_benchmark(**of, seeds=[7], length=30, washout=0)
+    assert asked == [(30, 7, 0)]
+    both = {"one": DelayLine(2), "other": DelayLine(3)}
+    order = [record[:3] for record in run_benchmark(tasks={"t": Task(), "u": Task()}, reservoirs=both, seeds=[1, 0])]
+    assert order == [(task, name, seed) for seed in (1, 0) for name in both for task in ("t", "u")]
+
+
+def test_what_is_done_is_left_out():
+    of = {"length": 500, "washout": 0}
+    tasks = {name: TASKS[name] for name in ("memory capacity", "NARMA-2 NRMSE")}
+    lines = {"a": DelayLine(2), "b": DelayLine(3)}
+    done = {("memory capacity", "a", 0), ("NARMA-2 NRMSE", "b", 1)}
+    left = [record[:3] for record in attempts(tasks, lines, [0, 1], done=done, **of)]
+    assert left == [
+        (task, name, seed) for seed in (0, 1) for name in lines for task in tasks if (task, name, seed) not in done
+    ]
 
 
 def test_registered_names_reach_the_runner(monkeypatch):

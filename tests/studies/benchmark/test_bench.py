@@ -3,13 +3,17 @@
 import json
 
 import matplotlib as mpl
+import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 
+from stickslip.studies.benchmark import bench as bench_module
 from stickslip.studies.benchmark import STANDARD_RESERVOIRS, STANDARD_TASKS
 from stickslip.studies.benchmark.bench import Bench
 from stickslip.studies.benchmark.probe import probes
 from stickslip.studies.benchmark.records import Records
 from stickslip.tasks import BodyReservoir, known_reservoirs, MEASURES, TASKS
+from stickslip.tasks.task import mean_score
 
 mpl.use("agg")
 
@@ -94,6 +98,34 @@ def test_the_tables_are_those_of_the_page(tmp_path):
     assert told(tmp_path)["inputs"]["against"] == "crawler"
 
 
+def test_means_keep_to_the_features_and_differences_are_drawn_from_their_reservoir(tmp_path, monkeypatch):
+    drawn = []
+
+    def seen(*of, **named):
+        drawn.append((of, named))
+        return plt.figure()
+
+    monkeypatch.setattr(bench_module, "plot_scores", seen)
+    bench, _ = ran(tmp_path, **{**SMALL, "tasks": "memory capacity", "seeds": 3}, against="crawler")
+    bench.report()
+    for mean in told(tmp_path)["means"]:
+        scores = [each["score"] for each in told(tmp_path)["scores"] if each["reservoir"] == mean["reservoir"]]
+        expected = mean_score(TASKS["memory capacity"], scores, 3)
+        assert mean["mean"] == pytest.approx(np.mean(scores))
+        if mean["reservoir"] == "crawler":
+            assert mean["interval"] == [expected.low, expected.high]
+    (found, tasks), (paired, _) = (of for of, _ in drawn)
+    assert list(found) == [("memory capacity", "delay line"), ("memory capacity", "crawler")]
+    assert list(paired) == [("memory capacity", "delay line")]
+    assert list(tasks) == ["memory capacity"]
+    assert [named for _, named in drawn] == [{}, {"against": "crawler"}]
+    [difference] = told(tmp_path)["differences"]
+    assert difference["mean"] == paired["memory capacity", "delay line"].mean
+    assert difference["mean"] == pytest.approx(
+        found["memory capacity", "delay line"].mean - found["memory capacity", "crawler"].mean
+    )
+
+
 def test_one_reservoir_alone_is_compared_with_none(tmp_path):
     bench, _ = ran(tmp_path, **{**SMALL, "reservoirs": "delay line", "tasks": "memory capacity, echo index"})
     _, compared = bench.report()
@@ -117,13 +149,18 @@ def test_a_run_is_gone_on_with_and_may_grow(tmp_path):
         Bench(tmp_path, **{**SMALL, "length": 401}, resume=True)
 
 
-def test_a_sweep_has_a_body_a_value(tmp_path):
+def test_a_sweep_has_a_body_a_value(tmp_path, monkeypatch):
     of = {"sweep": "hold=2,0.5", "features": 3, "length": 400, "seeds": 1}
     bench = Bench(tmp_path, **of)
     assert bench.total == 2 * len(STANDARD_TASKS)
     assert bench.against == "hold = 0.5"
     bench, _ = ran(tmp_path, **of, tasks="NARMA-2 NRMSE", resume=True)
+    drawn = []
+    plot = bench_module.plot_sweep
+    monkeypatch.setattr(bench_module, "plot_sweep", lambda *of: drawn.append(of) or plot(*of))
     bench.report()
+    [(name, values, found, tasks)] = drawn
+    assert (name, values, list(found), list(tasks)) == ("hold", [0.5, 2.0], ["NARMA-2 NRMSE"], ["NARMA-2 NRMSE"])
     scores = {each["reservoir"]: each["score"] for each in told(tmp_path)["scores"]}
     assert scores == {
         f"hold = {hold:g}": TASKS["NARMA-2 NRMSE"]

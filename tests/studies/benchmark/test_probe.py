@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from stickslip.studies.benchmark.probe import probes, reservoir_probe, task_probe
 from stickslip.tasks import BodyReservoir, EchoState, known_reservoirs, MEASURES, TASKS
 
@@ -25,3 +27,15 @@ def test_what_is_stored_names_task_and_reservoir():
     stored = probes({"echo index": MEASURES["echo index"]}, {"line": known_reservoirs(6)["delay line"]})
     assert stored["tasks"]["echo index"]["made of"].startswith("EchoIndex(metric=Metric(name='index', solve=_echo_")
     assert stored["reservoirs"]["line"]["made of"] == "DelayLine(features=6)"
+
+
+def test_probes_are_these_measurements():
+    """Kept pages were made by them: 700 bits or samples of seed 0, 60 washed out, and 40 samples of a series."""
+    small = BodyReservoir(hold=1.0, virtual_nodes=2)
+    for name in ("memory capacity", "NARMA-2 NRMSE"):
+        expected = TASKS[name].attempt(small, length=700, seed=0, washout=60).score
+        assert task_probe(TASKS[name]) == float(f"{expected:.6g}")
+    series = np.random.default_rng(0).random(40)
+    tuned = EchoState(6, tune=True)
+    sizes = [float(f"{np.abs(each(series, 0)).mean():.6g}") for each in (tuned, *tuned.candidates)]
+    assert reservoir_probe(tuned) == sizes

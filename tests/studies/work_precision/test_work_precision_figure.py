@@ -4,6 +4,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
+from matplotlib.colors import to_hex
 
 from stickslip.crawler import Groups, Scene, simulate
 from stickslip.studies.work_precision import (
@@ -75,6 +76,7 @@ def test_every_row_stands_at_its_time_and_its_error():
         assert [[x for x, _ in each] for each in quartiles] == [
             [0.75, 1.5], [2.25, 4.5], [15.0, 30.0], [0.375, 0.75]
         ]  # fmt: skip
+        assert [to_hex(bars.get_color()[0]) for bars in ax.collections] == [BLUE.lower(), GREEN.lower()]
     assert [ax.get_ylabel() for ax in figure.axes] == ["error", ""]
     assert figure.axes[0].get_ylim() == pytest.approx((0.2 * 1e-14, 5 * 1e-4))
 
@@ -99,6 +101,10 @@ def test_the_error_wanted_and_the_row_recommended_are_marked():
     for ax, error in zip(figure.axes, (1e-7, 1e-8), strict=True):
         lines = solver_lines(ax)
         assert points(lines["recommended"]) == [(3.0, error)]
+        assert (lines["recommended"].get_markerfacecolor(), lines["recommended"].get_markeredgecolor()) == (
+            "none",
+            "black",
+        )
         assert set(lines["error wanted"].get_ydata()) == {1e-6}
     none = recommend(study(ROWS[:1], FLOORS), 1e-2)
     figure = plot_work_precision(study(ROWS[:1], FLOORS), none)
@@ -167,3 +173,31 @@ def test_the_caption_says_what_was_run():
     first, second = figure.get_suptitle().splitlines()
     assert first.endswith("$; slope = 0.25; anchored = True") or first.endswith("$; anchored = True; slope = 0.25")
     assert second == "4 random holds of 2; reference: taylor at $10^{-15}$"
+
+
+def test_a_tolerance_is_left_out_where_it_would_stand_on_another():
+    """17 points aside or 7 above is room enough, from marker to marker in the order of the rows."""
+    rows = [row("taylor", 10.0**-k, 1.05**k, {FOOT: 10.0 ** (-1 - 0.35 * k), DEFORMATION: 1e-12}) for k in range(2, 15)]
+    rows += [
+        row("radau", 10.0**-k, 1.3 * 1.15**k, {FOOT: 10.0 ** (-1 - 0.5 * k), DEFORMATION: 1e-12}) for k in (3, 4, 5, 9)
+    ]
+    figure = plot_work_precision(study(rows, FLOORS))
+    ax = figure.axes[0]
+    spots, expected = [], []
+    for each in rows:
+        spot = ax.transData.transform((each.timing.median, each.errors[FOOT])) * 72 / figure.dpi
+        if all(abs(spot[0] - x) > 17 or abs(spot[1] - y) > 7 for x, y in spots):
+            spots.append(spot)
+            expected.append((each.timing.median, each.errors[FOOT]))
+    assert [text.xy for text in ax.texts] == expected
+    assert 4 < len(expected) < len(rows)
+    assert [text.get_color() for text in ax.texts][:: len(expected) - 1] == [BLUE, ORANGE]
+
+
+@pytest.mark.parametrize(("slowest", "narrow"), [(9.9, True), (10.0, False)])
+def test_times_within_a_decade_have_finer_ticks(slowest, narrow):
+    rows = [row("taylor", 1e-3, 1.0, ROWS[0].errors), row("taylor", 1e-6, slowest, ROWS[1].errors)]
+    figure = plot_work_precision(study(rows, FLOORS))
+    ticks = figure.axes[0].xaxis.get_major_locator().tick_values(1.0, 9.99)
+    assert (3.0 in ticks) == narrow
+    assert {1.0, 2.0, 5.0} <= set(ticks)
