@@ -9,13 +9,18 @@ import sys
 import condition_cost
 import extremes
 import measuring
+import memory_reward
 import numpy as np
 import pytest
+import readout_penalty
 import remeasured
 import scenes
 import solver_choice
 import vector_speed
 from measuring import keep, machine, quartiles, refresh, refreshed, take_turns
+from peer_solvers import comparison
+from worth import cost
+from worth.summary import loss
 
 from stickslip.crawler import Groups, Scene, simulate
 
@@ -311,3 +316,103 @@ def test_the_loss_of_an_encoding_is_a_root_mean_square():
     drive = encodings.random_uniform(encodings.LENGTH, 0)
     assert encodings.loss("threshold", 1) == pytest.approx(np.sqrt(np.mean(((drive >= 0.5) - drive) ** 2)))
     assert encodings.loss("pulse_width", 1) == pytest.approx(0, abs=1e-12)
+
+
+def test_a_tolerance_costs_per_unit_and_over_each_default_in_the_same_round(monkeypatch):
+    tolerances = (1e-3, cost.ENVIRONMENT_DEFAULT, cost.SIMULATE_DEFAULT)
+    seconds = np.array([[1.0, 2.0, 4.0], [2.0, 8.0, 4.0], [6.0, 3.0, 8.0]])
+    monkeypatch.setattr(cost, "_in_turns", lambda works: seconds)
+    found = cost._by_tolerance(cost._Job(dict.fromkeys(tolerances), 20.0))
+    assert list(found) == [cost.name_of(each) for each in tolerances]
+    for column, row in zip(seconds.T, found.values(), strict=True):
+        assert row["microseconds"] == pytest.approx(quartiles(1e6 / 20 * column))
+        for default, own in ((cost.ENVIRONMENT_DEFAULT, seconds[:, 1]), (cost.SIMULATE_DEFAULT, seconds[:, 2])):
+            assert row["times"][cost.name_of(default)] == pytest.approx(quartiles(column / own))
+    body = next(iter(cost.BODIES.values()))
+    assert cost._simulations(body).units == 400 * body["hold"]
+    assert list(cost._simulations(body).works) == list(cost.ALL)
+
+
+def test_the_rounds_of_a_tolerance_run_forward_and_backward(monkeypatch):
+    told, order = iter(itertools.count()), []
+    monkeypatch.setattr(cost, "_ROUNDS", 3)
+    monkeypatch.setattr(cost.time, "thread_time", lambda: float(next(told)))
+    works = {tolerance: lambda tolerance=tolerance: order.append(tolerance) for tolerance in (1.0, 2.0)}
+    np.testing.assert_array_equal(cost._in_turns(works), np.ones((3, 2)))
+    assert order == [1.0, 2.0, 1.0, 2.0, 2.0, 1.0, 1.0, 2.0]
+
+
+def test_peers_cost_per_time_unit_and_over_the_cheapest_of_ours_that_is_no_less_accurate(monkeypatch):
+    offsets = {"loose": 1e-4, "tight": 1e-8, "peer": 1e-5, "wild": 1.0}
+    tolerances = {"loose": 1e-3, "tight": 1e-7, "peer": 1e-6, "wild": 1e-2}
+    contenders = [
+        comparison.Contender(
+            **dict.fromkeys(comparison.Contender._fields, None)
+            | {
+                "library": "other" if name in ("peer", "wild") else comparison.LIBRARY,
+                "method": "any" if name in ("peer", "wild") else comparison.KERNEL,
+                "setting": name,
+                "tolerance": tolerances[name],
+                "run": lambda word, offset=offset: (comparison.FOOT - offset, 7),
+            }
+        )
+        for name, offset in offsets.items()
+    ]
+    taken = [{0: 1.0, 1: 2.0}, {0: 2.0, 1: 4.0, 2: 8.0}, {0: 10.0, 1: 10.0, 2: 10.0}, {0: 1.0, 1: 1.0}]
+    monkeypatch.setattr(comparison, "take_turns", lambda works, rounds, budget: dict(zip(works, taken, strict=True)))
+    loose, tight, peer, wild = rows = comparison.measure(contenders, 3)
+    unit = 1e6 / comparison.DURATION
+    assert comparison.HOLD * len(comparison.WORD) == comparison.DURATION
+    assert [row["error"] for row in rows] == pytest.approx(list(offsets.values()), rel=1e-4)
+    assert peer["microseconds per time unit"] == pytest.approx([10 * unit] * 3)
+    assert tight["microseconds per time unit"] == pytest.approx([3 * unit, 4 * unit, 6 * unit])
+    assert peer["times stickslip"][comparison.KERNEL] == {
+        "setting": "tight",
+        "quartiles": pytest.approx(quartiles([5.0, 2.5, 1.25])),
+    }
+    assert wild["times stickslip"][comparison.KERNEL] == {"setting": "loose", "quartiles": quartiles([1.0, 0.5])}
+    assert peer["times stickslip"][comparison.SIMULATE] is None
+    assert loose["times stickslip"][comparison.KERNEL]["quartiles"] == [1, 1, 1]
+    met = list(comparison.meet(1e-3, rows))
+    assert [(row["library"], row["setting"]) for row in met] == [(comparison.LIBRARY, "loose"), ("other", "peer")]
+    assert [row["goal"] for row in met] == [1e-3, 1e-3]
+    assert list(comparison.meet(1e-9, rows)) == []
+
+
+def test_a_loss_by_hand():
+    values, reference = [1.0, 4.0, 6.0], [1.0, 2.0, 6.0]
+    found = loss(values, reference)
+    assert found.bias == pytest.approx(2 / 3)
+    assert found.scatter == pytest.approx(np.std([0, 2, 0], ddof=1))
+    assert found.rms == pytest.approx(np.sqrt(4 / 3))
+    assert found.spread == pytest.approx(np.std(reference, ddof=1))
+    assert found.relative == pytest.approx(found.rms / found.spread)
+
+
+def test_a_reward_stands_for_a_capacity_by_its_bias():
+    found = {
+        "truth": [2.0, 4.0],
+        "earned": [[1.0, 1.5, 3.0, 3.0], [2.0, 3.0, 3.0, 3.3]],
+        "spread": [[9.0, 9.0, 0.25, 9.0], [9.0, 9.0, 0.75, 9.0]],
+        "worst": -7.4,
+    }
+    assert memory_reward.LENGTHS.index(1000) == 2
+    assert memory_reward.row("any", found) == "| any | 3.00 | -50% | -25% | +0% | +5% | 0.50 | nan | -7 |"
+    assert "| - |" in memory_reward.row("any", {**found, "truth": [3.0, 3.1]})
+    assert memory_reward.commands("110", 5).tolist() == [1, 1, 0, 1, 1]
+    one, other = (memory_reward.commands(memory_reward.RANDOM, 50, seed) for seed in (0, 1))
+    assert set(one) == {0, 1}
+    assert (one != other).any()
+
+
+def test_a_change_of_penalty_is_the_chosen_less_the_fixed_seed_by_seed():
+    def record(task, seed, score):
+        return readout_penalty.Record(task, "body", seed, score, {})
+
+    fixed = [record("a", 0, 1.0), record("a", 1, 2.0), record("b", 0, 5.0)]
+    chosen = [record("b", 0, 4.0), record("a", 1, 2.5), record("a", 0, 1.25)]
+    found = readout_penalty.changes(fixed, chosen)
+    assert found == {("b", "body"): [-1.0], ("a", "body"): [0.5, 0.25]}
+    # Student's interval of a difference, which no sign bounds: t for one degree of freedom is 12.7.
+    lines = readout_penalty.markdown({("a", "body"): [0.5, 0.25], ("b", "body"): [0.1, 0.1]}).splitlines()
+    assert lines == ["| change of | body |", "|---|---:|", "| a | +0.375 ± 1.588 |", "| b | +0.100 |"]

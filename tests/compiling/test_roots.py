@@ -52,6 +52,10 @@ def value(coefficients, t):
         ([3.0, 0.0, 0.0], 1.0, NEVER),
         ([0.25, -1.0, 1.0], 1.0, NEVER),  # touches zero at 1/2
         ([0.09, -0.6, 1.0], 1.0, NEVER),  # touches zero at 0.3
+        ([1.0, -2.0, 1.0], 1.0, NEVER),  # falls all the way, to zero
+        ([1.0, -1.5, 0.6], 1.0, NEVER),  # falls all the way, and stays above
+        ([0.1, 1.0, -0.4], 1.0, NEVER),  # rises all the way
+        ([0.1, 1.0, -1.6], 1.0, (1.0 + 1.64**0.5) / 3.2),  # rises and falls
         ([0.25 - 1e-10, -1.0, 1.0], 1.0, 0.5 - 1e-5),
         ([0.25 + 1e-10, -1.0, 1.0], 1.0, NEVER),
         ([1.0, -3.0, 3.0, -1.0], 2.0, 1.0),  # a triple root is a descent

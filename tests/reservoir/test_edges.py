@@ -286,3 +286,12 @@ def test_a_kernel_is_measured_at_its_least():
     found = kernel_quality(lambda u: delay_line(u, 1), inputs=2, length=1, shared=0, endings=1, seed=seed)
     assert found.kernel_singular_values.shape == (1,)
     assert found.generalisation_singular_values.shape == (1, 1)
+
+
+def test_a_large_offset_costs_ranks_no_more_than_its_own_digits():
+    """Singular values of states that are exact beside it are right to their last digits."""
+    rng = np.random.default_rng(0)
+    different, similar = np.round(rng.normal(size=(2, 30, 3)) * 1000)
+    one, other = ranks(different, similar), ranks(different + 2.0**50, similar + 2.0**50)
+    np.testing.assert_allclose(other.kernel_singular_values, one.kernel_singular_values, rtol=1e-12)
+    np.testing.assert_allclose(other.generalisation_singular_values, one.generalisation_singular_values, rtol=1e-12)
