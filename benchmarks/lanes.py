@@ -96,12 +96,12 @@ def _peak_work(rows, repeats):
 
 @njit
 def _one_step(rows):
-    return step_lanes(Taylor12(), (TOLERANCE, HOLD, float(SAMPLES)), rows)
+    return step_lanes(Taylor12(), (TOLERANCE, float(SAMPLES)), rows)
 
 
 @njit
 def _one_sample(rows):
-    return sample_lanes(Taylor12(), (HOLD, float(SAMPLES)), rows)
+    return sample_lanes(Taylor12(), (float(SAMPLES),), rows)
 
 
 def flops(kernel) -> int:

@@ -13,20 +13,29 @@ free of it.
 """
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ..compiling.compilation import compiled, formula
+from .model.columns import coefficients_at
 from .model.equations import mobility_of
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Coefficients, coefficients_of, FORWARD, STUCK
 from .model.tube import as_crawler
 from .motion.loop import FARTHEST
+from .steps.options import STEPS_A_HOLD
 from .steps.radau import stages_for
 from .steps.taylor import order_for
 
-__all__ = ["FastestRate", "fastest_rate", "predicted_cost", "predicted_steps"]
+__all__ = ["PREDICTED", "FastestRate", "cheapest_of_each", "fastest_rate", "predicted_cost", "predicted_steps"]
 
+PREDICTED = ("closed_form", "taylor", "radau")
+"""Solvers whose cost is known, in the order in which the first of the cheapest is taken."""
+
+_CLOSED_FORM, _TAYLOR, _RADAU = range(len(PREDICTED))
 # Microseconds that a step takes with its events, by Taylor, and more for each order, and by Radau for each stage; a
 # look for events in closed form takes a third of a Taylor step of the same crawler. Only their ratios matter.
 # `benchmarks/solver_choice.py` prints them, and the steps predicted over those counted, by which the other constants
@@ -42,6 +51,8 @@ _RADAU_FAINT = 2.0
 _SLIDING = 0.5
 # Looks for each radian of the oscillation, and the time constants after which it is too faint to be looked at.
 _LOOKS_A_RADIAN, _LOOKED_AT = 1.5, 3.0
+# Steps counted over steps predicted, which few exceed.
+_DOUBT = 2.0
 # Newton steps from at most twice the root of a function that is convex from there down to it: none goes too far.
 _REFINEMENTS = 10
 
@@ -67,11 +78,13 @@ class Method(NamedTuple):
     """What limits the steps of a solver."""
 
     order: int
+    digits: float  # ln(order! tolerance)
     reach: float  # of a step over h
     longest: float  # step over 1 / rate
     stiff: bool  # whether a mode that would allow a longer one is of no more concern
 
 
+@formula
 def rates(coefficients: Coefficients, mode: int, deformation: float) -> Rates:
     """Rates of the body about a deformation; K = 1 + 3 Pi1 z^2."""
     mobility = mobility_of(coefficients, mode)
@@ -119,53 +132,149 @@ def predicted_cost(solver: str, groups: Groups, scene: Scene, hold: float, toler
     float
         About microseconds, on the machine that `benchmarks/results/solver_choice.json` describes: to be compared.
     """
-    each = {
-        "taylor": _TAYLOR_STEP + _TAYLOR_ORDER * order_for(tolerance),
-        "radau": _RADAU_STAGE * stages_for(tolerance),
-        "closed_form": _LOOK,
-    }[solver]
-    return each * predicted_steps(solver, groups, scene, hold, tolerance)
+    return _predicted(solver, groups, scene, hold, tolerance)[1]
 
 
-# A choice asks for the steps and for the cost, and the members of a batch are often alike.
-@lru_cache(maxsize=1024)
 def predicted_steps(solver: str, groups: Groups, scene: Scene, hold: float, tolerance: float) -> float:
     """Steps that one unit of time takes, or looks for events in closed form; parameters as for `predicted_cost`."""
+    return _predicted(solver, groups, scene, hold, tolerance)[0]
+
+
+def _predicted(solver: str, groups: Groups, scene: Scene, hold: float, tolerance: float) -> tuple[float, float]:
     groups, scene, unit = as_crawler(groups, scene)
-    spell = hold / unit
-    coefficients = coefficients_of(groups, scene)
-    deformation = _held_stretch(groups)
-    push = 1.0 + groups.radial_coupling * deformation
-    resting = _body_modes(coefficients, STUCK, deformation, push, 0.0)
-    moving = [(1.0, resting)]
-    loose = not scene.anchored and groups.static_friction < resting[0].acceleration / resting[0].mobility
+    columns = np.array(coefficients_of(groups, scene), dtype=np.float64)[:, np.newaxis]
+    _, predictions = _choices_of(columns, np.array([hold]), np.array([unit]), tolerance)
+    steps, cost = predictions[:, PREDICTED.index(solver)].tolist()
+    return steps, cost
+
+
+def cheapest_of_each(
+    coefficients: NDArray[np.float64], holds: NDArray[np.float64], units: NDArray[np.float64], tolerance: float
+) -> NDArray[np.int8]:
+    """Which of `PREDICTED` is predicted to be cheapest of those that keep to the step budget, crawler by crawler.
+
+    Parameters
+    ----------
+    coefficients : (11, n) array
+        Fields of `Coefficients`, of crawlers of one body as `as_crawler` has them.
+    holds : (n,) array, in (0, inf)
+    units : (n,) array
+        Of time, from `as_crawler`.
+    tolerance : float, in [1e-15, 1e-2]
+
+    Returns
+    -------
+    (n,) array of int8
+    """
+    return _choices_of(coefficients, holds, units, tolerance)[0]
+
+
+def _choices_of(
+    columns: NDArray[np.float64], holds: NDArray[np.float64], units: NDArray[np.float64], tolerance: float
+) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+    """The choices, and of the last crawler the steps and the cost of one unit of time by each solver."""
+    choices, predictions = np.empty(len(holds), np.int8), np.empty((2, len(PREDICTED)))
+    orders = order_for(tolerance), stages_for(tolerance)
+    _choose(columns, holds, holds / units, *orders, tolerance, predictions, choices)
+    return choices, predictions
+
+
+@compiled
+def _choose(
+    columns: NDArray[np.float64],
+    holds: NDArray[np.float64],
+    spells: NDArray[np.float64],
+    order: int,
+    stages: int,
+    tolerance: float,
+    predictions: NDArray[np.float64],
+    choices: NDArray[np.int8],
+) -> None:
+    for i in range(len(holds)):
+        linear = columns[0, i] == 0.0 and columns[3, i] == 0.0
+        first = _CLOSED_FORM if linear else _TAYLOR
+        _predict(columns, holds, spells, order, stages, tolerance, i, predictions)
+        best = first
+        for solver in range(first + 1, len(PREDICTED)):
+            if predictions[1, solver] < predictions[1, best]:
+                best = solver
+        if holds[i] * predictions[0, best] > STEPS_A_HOLD:
+            # Rather dear than not finished, where another surely finishes.
+            best = first
+            for solver in range(first + 1, len(PREDICTED)):
+                doubtful = holds[i] * predictions[0, solver] * _DOUBT > STEPS_A_HOLD
+                worse = holds[i] * predictions[0, best] * _DOUBT > STEPS_A_HOLD
+                if doubtful < worse or (doubtful == worse and predictions[1, solver] < predictions[1, best]):
+                    best = solver
+        choices[i] = best
+
+
+@compiled
+def _predict(
+    columns: NDArray[np.float64],
+    holds: NDArray[np.float64],
+    spells: NDArray[np.float64],
+    order: int,
+    stages: int,
+    tolerance: float,
+    i: int,
+    predictions: NDArray[np.float64],
+) -> None:
+    """Write the steps and the cost of one unit of time by each solver, of the crawler in column `i`.
+
+    `spells` are the holds in each crawler's own unit of time.
+    """
+    coefficients = coefficients_at(columns, i)
+    costs = (_LOOK, _TAYLOR_STEP + _TAYLOR_ORDER * order, _RADAU_STAGE * stages)
+    for solver in range(len(PREDICTED)):
+        steps = _steps_of(solver, coefficients, spells[i], order, stages, tolerance) / holds[i]
+        predictions[0, solver] = steps
+        predictions[1, solver] = costs[solver] * steps
+
+
+@compiled
+def _steps_of(
+    solver: int, coefficients: Coefficients, spell: float, order: int, stages: int, tolerance: float
+) -> float:
+    """Steps of a hold, which lasts for `spell`."""
+    deformation = _held_stretch(coefficients)
+    push = 1.0 + coefficients.radial_coupling * deformation
+    resting, resting_slow = _body_modes(coefficients, STUCK, deformation, push, 0.0)
+    sliding, sliding_slow = resting, resting_slow
+    part = 0.0
+    loose = not coefficients.anchored and coefficients.static_friction < resting.acceleration / resting.mobility
     if loose:
-        part = _SLIDING if groups.kinetic_friction > 0.0 else 1.0
-        jump = groups.static_friction - groups.kinetic_friction
-        moving = [(1.0 - part, resting), (part, _body_modes(coefficients, FORWARD, deformation, push, jump))]
+        part = _SLIDING if coefficients.kinetic_friction > 0.0 else 1.0
+        jump = coefficients.static_friction - coefficients.kinetic_friction
+        sliding, sliding_slow = _body_modes(coefficients, FORWARD, deformation, push, jump)
 
-    if solver == "closed_form":
-        count = 1.0 if scene.anchored else 2.0 if scene.ratchet else 3.0
+    if solver == _CLOSED_FORM:
+        count = 1.0 if coefficients.anchored else 2.0 if coefficients.ratchet else 3.0
         if loose:
-            count += sum(part * _looks_at(modes[0], spell) for part, modes in moving)
-    else:
-        method = _method(solver, tolerance)
-        lag = coefficients.lag_rate
-        fluid = Mode(lag, lag, resting[0].mobility * push, resting[0].mobility, lasting=False)
-        # Collocation begins the sliding anew, a Taylor series begins every step anew.
-        count = 2.0 if loose and method.stiff else 1.0
-        count += _steps_through(fluid, spell, tolerance, method)
-        for part, modes in moving:
-            count += part * sum(_steps_through(mode, spell, tolerance, method) for mode in modes)
-    return count / hold
+            count += (1.0 - part) * _looks_at(resting, spell) + part * _looks_at(sliding, spell)
+        return count
+    method = _method(solver, order, stages, tolerance)
+    lag = coefficients.lag_rate
+    fluid = Mode(lag, lag, resting.mobility * push, resting.mobility, False)
+    # Collocation begins the sliding anew, a Taylor series begins every step anew.
+    count = 2.0 if loose and method.stiff else 1.0
+    count += _steps_through(fluid, spell, method)
+    rests = _steps_through(resting, spell, method) + _steps_through(resting_slow, spell, method)
+    count += (1.0 - part) * rests
+    if loose:
+        slides = _steps_through(sliding, spell, method)
+        slides += _steps_through(sliding_slow, spell, method)
+        count += part * slides
+    return count
 
 
-def _held_stretch(groups: Groups) -> float:
+@compiled
+def _held_stretch(coefficients: Coefficients) -> float:
     """Deformation at which the full pressure holds the body: the root of Pi1 z^3 + (1 - Pi5) z = 1.
 
     Where nothing would hold it, that of a body without radial coupling.
     """
-    cubic, linear = groups.duffing, 1.0 - groups.radial_coupling
+    cubic, linear = coefficients.duffing, 1.0 - coefficients.radial_coupling
     if cubic == 0.0:
         return 1.0 / linear if linear > 0.0 else 1.0
     alone = cubic ** (-1.0 / 3.0)
@@ -176,8 +285,11 @@ def _held_stretch(groups: Groups) -> float:
     return min(z, FARTHEST)
 
 
-def _body_modes(coefficients: Coefficients, mode: int, deformation: float, push: float, jump: float) -> list[Mode]:
-    """Modes of the body about a deformation, the fastest first.
+@compiled
+def _body_modes(
+    coefficients: Coefficients, mode: int, deformation: float, push: float, jump: float
+) -> tuple[Mode, Mode]:
+    """Modes of the body about a deformation, the fastest first; the second has the rate 0 where there is but one.
 
     The pressure sets them off by a change of force `push` that takes the time of its lag, and a foot that breaks loose
     by a sudden one, `jump`.
@@ -188,26 +300,27 @@ def _body_modes(coefficients: Coefficients, mode: int, deformation: float, push:
     if decay >= frequency:
         fast = decay + math.sqrt(decay - frequency) * math.sqrt(decay + frequency)
         decay, slow = fast, frequency * (frequency / fast)
-
-    def set_off(rate: float) -> float:
-        return mobility * max(push / (1.0 + rate / coefficients.lag_rate), jump)
-
-    modes = [Mode(fast, decay, set_off(fast), mobility, lasting=True)]
-    if slow > 0.0:
-        modes.append(Mode(slow, slow, set_off(slow) * (slow / fast), mobility, lasting=True))
-    return modes
+    # What sets off a mode of that rate.
+    sudden = mobility * max(push / (1.0 + fast / coefficients.lag_rate), jump)
+    gradual = mobility * max(push / (1.0 + slow / coefficients.lag_rate), jump)
+    return Mode(fast, decay, sudden, mobility, True), Mode(slow, slow, gradual * (slow / fast), mobility, True)
 
 
-def _method(solver: str, tolerance: float) -> Method:
-    if solver == "taylor":
-        order = order_for(tolerance)
-        return Method(order, _TAYLOR_REACH, _TAYLOR_STABLE * order, stiff=False)
-    stages = stages_for(tolerance)
-    return Method(stages, _RADAU_REACH, _RADAU_FAINT * math.exp(math.lgamma(stages + 1) / stages), stiff=True)
+@compiled
+def _method(solver: int, order: int, stages: int, tolerance: float) -> Method:
+    if solver == _TAYLOR:
+        digits = math.lgamma(order + 1.0) + math.log(tolerance)
+        return Method(order, digits, _TAYLOR_REACH, _TAYLOR_STABLE * order, False)
+    factorial = math.lgamma(stages + 1.0)
+    longest = _RADAU_FAINT * math.exp(factorial / stages)
+    return Method(stages, factorial + math.log(tolerance), _RADAU_REACH, longest, True)
 
 
-def _steps_through(mode: Mode, span: float, tolerance: float, method: Method) -> float:
+@compiled
+def _steps_through(mode: Mode, span: float, method: Method) -> float:
     """Steps that a mode asks for in the time `span` after it was set off."""
+    if mode.rate == 0.0:
+        return 0.0
     # A Taylor series keeps the tolerance in the acceleration; Radau in the force, the velocity and the deformation.
     size = mode.acceleration
     if method.stiff:
@@ -217,8 +330,7 @@ def _steps_through(mode: Mode, span: float, tolerance: float, method: Method) ->
     afterwards = mode.rate / method.longest if mode.lasting and not method.stiff else 0.0
     reach = 0.0
     if size > 0.0:
-        exponent = (math.lgamma(method.order + 1) + math.log(tolerance) - math.log(size)) / method.order
-        reach = method.reach * math.exp(exponent)
+        reach = method.reach * math.exp((method.digits - math.log(size)) / method.order)
     if size == 0.0 or reach >= method.longest:
         return span * afterwards
     lengthening = mode.decay / method.order
@@ -229,6 +341,7 @@ def _steps_through(mode: Mode, span: float, tolerance: float, method: Method) ->
     return alive * mean * mode.rate / reach + (span - alive) * afterwards
 
 
+@compiled
 def _looks_at(mode: Mode, span: float) -> float:
     """Looks for events that a mode asks for in the time `span` after it was set off."""
     alive = span if mode.decay * span < _LOOKED_AT else _LOOKED_AT / mode.decay

@@ -1,6 +1,7 @@
 """A crawler of one body for `simulate`: its run, and the energy it stores."""
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,14 +9,14 @@ from numpy.typing import NDArray
 from .drive import drive
 from .model.groups import Groups
 from .model.scene import Scene
-from .model.state import Body, coefficients_of
+from .model.state import Body, Coefficients, coefficients_of
 from .model.tube import as_crawler
 from .motion.balance import Store, store_between
 from .motion.tangent import condition_of, start_changes
 from .solvers import Solver
 from .steps.options import LOG_FULL, Options, Outcome
 
-__all__ = ["run_crawler"]
+__all__ = ["run_crawler", "stored_by"]
 
 
 def run_crawler(
@@ -53,7 +54,7 @@ def run_crawler(
         if outcome.status != LOG_FULL:
             break
         capacity *= 2
-    stored = store_between(_stored(start, groups, scene), _stored(outcome.body, groups, scene))
+    stored = store_between(stored_by(start, coefficients), stored_by(outcome.body, coefficients))
     events = events[: outcome.logged]
     if unit != 1.0:
         samples[[1, 4]] /= unit
@@ -63,10 +64,10 @@ def run_crawler(
     return outcome, finished, events, stored, condition
 
 
-def _stored(body: Body, groups: Groups, scene: Scene) -> tuple[float, float]:
-    """Kinetic and elastic energy, and potential energy, in units of P_max A_0 z_c."""
-    r = groups.foot_mass_fraction
-    z, foot_rate, payload_rate = body.deformation, body.foot_velocity, body.foot_velocity + body.velocity
-    kinetic = 0.5 * (r * foot_rate * foot_rate + (1.0 - r) * payload_rate * payload_rate)
-    elastic = 0.5 * z * z * (1.0 + 0.5 * groups.duffing * z * z)
-    return kinetic + elastic, scene.slope * (body.foot + (1.0 - r) * z)
+def stored_by(body: Body, coefficients: Coefficients) -> tuple[Any, Any]:
+    """Kinetic and elastic energy, and potential energy, in units of P_max A_0 z_c; of arrays too."""
+    r, payload, z = coefficients.foot_fraction, coefficients.payload_fraction, body.deformation
+    foot_rate, payload_rate = body.foot_velocity, body.foot_velocity + body.velocity
+    kinetic = 0.5 * (r * foot_rate * foot_rate + payload * payload_rate * payload_rate)
+    elastic = 0.5 * z * z * (1.0 + 0.5 * coefficients.duffing * z * z)
+    return kinetic + elastic, coefficients.slope * (body.foot + payload * z)

@@ -8,41 +8,46 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.validation import number_within, whole_number
-from .chain_simulation import run_chain, stretches_of
-from .crawler_simulation import run_crawler
+from ..common.sharing import processors
+from ..common.validation import finite_array, number_within, whole_number
+from .batch.lane_runs import write_in_order
+from .batch_simulation import Batch, drive_batch, Driven
+from .chain_simulation import stretches_of
+from .cost import PREDICTED
+from .model.columns import different
 from .model.groups import Groups, groups_of_each, GroupsLike
 from .model.scene import Scene
-from .model.state import BACKWARD, Body, ChainState, FORWARD, Ledger, REST, State, STUCK
+from .model.state import BACKWARD, Body, ChainState, FOOT, FORWARD, Ledger, REST, SLIPS, State, STUCK
 from .model.tube import is_chain
 from .model.variations import HOLDS
-from .motion.balance import balance_of, check_balance
+from .motion.balance import Balance, balance_of, check_balance, Store
 from .refusals import solver_error, SolverError
-from .solvers import AUTO, choose, Solver, SOLVERS
-from .steps.options import FINISHED, MAX_STEPS, STEPS_A_HOLD
+from .solvers import AUTO, SOLVERS
+from .steps.options import FINISHED
 from .trajectory import EVENT, Trajectory
 
 __all__ = ["TOLERANCES", "simulate"]
 
 TOLERANCES = "[1e-15, 1e-2]"
-# The budget is one of work: a chain of many segments may take fewer steps.
-_SEGMENTS_A_STEP = 10
 
 
 def simulate(
     groups: GroupsLike | Sequence[GroupsLike],
     valve: ArrayLike,
-    hold: float,
+    hold: float | Sequence[float] | NDArray[np.float64],
     *,
-    scene: Scene | Mapping[str, Any] | None = None,
+    scene: Scene | Mapping[str, Any] | Sequence[Scene | Mapping[str, Any] | None] | None = None,
     tolerance: float = 1e-9,
     solver: str = "auto",
     samples_per_hold: int = 1,
     initial: State | ChainState | None = None,
     max_steps: int | None = None,
     condition: bool = False,
+    threads: int | None = None,
 ) -> Trajectory:
     """Drive one crawler, or a batch, by a sequence of valve states or of duty cycles.
+
+    Rows of a batch may differ in groups, valve, hold and scene. Each gives, to the last bit, what it gives alone.
 
     Parameters
     ----------
@@ -52,10 +57,11 @@ def simulate(
         Duty cycles, one schedule for all or one a row of the batch: the valve is open for the first ``duty * hold`` of
         each hold and shut for the rest, so that 1 keeps it open throughout and 0 shut. It turns at that very instant,
         and the samples stay where they are.
-    hold : float, in (0, inf)
-        Time between duty cycles, natural units.
-    scene : Scene or mapping, optional
-        As in `Scene.of`; on the ground with a ratcheted foot by default.
+    hold : float, or (batch,) array, in (0, inf)
+        Time between duty cycles, natural units: one for all or one a row of the batch.
+    scene : Scene or mapping, or sequence of them, optional
+        Each as in `Scene.of`, on the ground with a ratcheted foot by default: one for all or one a row of the batch, of
+        the same number of segments.
     tolerance : float, in [1e-15, 1e-2]
         Largest term neglected from the acceleration's Taylor series in a step, or largest error of deformation, rate
         and force in a step of "radau", natural units. The closed form is exact to rounding whatever the tolerance. A
@@ -72,11 +78,13 @@ def simulate(
         Steps that each crawler may take in all; a million and a thousand a hold by default, fewer for long chains.
     condition : bool
         Whether to find `Trajectory.condition`: how far the end moves for a change of the start.
+    threads : int, optional
+        Most that share a batch; as many as there are processors to run on by default.
 
     Returns
     -------
     Trajectory
-        Arrays (holds * samples_per_hold,), or (batch, holds * samples_per_hold) where groups or valve is a batch.
+        Arrays (holds * samples_per_hold,), or (batch, holds * samples_per_hold) where any argument is a batch.
 
     Raises
     ------
@@ -92,102 +100,114 @@ def simulate(
     EnergyWarning
         If the energies of a run do not add up, by more than the solver's error explains.
     """
-    scene = Scene.of(scene)
-    hold = number_within("hold", hold, HOLDS)
+    batch, single = _batch(groups, valve, hold, scene)
     tolerance = number_within("tolerance", tolerance, TOLERANCES)
     if solver != AUTO and solver not in SOLVERS:
         raise ValueError(f"solver must be one of {[AUTO, *SOLVERS]}, got {solver!r}")
     samples_per_hold = whole_number("samples_per_hold", samples_per_hold, 1)
     if type(condition) is not bool and not isinstance(condition, np.bool_):
         raise TypeError(f"condition must be True or False, got {condition!r}")
-    if condition and is_chain(scene):
+    if condition and batch.chains.any():
         raise ValueError(f"condition must be False for a chain of heavy segments, got {condition!r}")
-    crawlers, schedule, single = _batch(groups, valve)
     start = REST if initial is None else initial
-    body, stretches = _start(start, scene)
+    for each in different(batch.scenes):
+        body, stretches = _start(start, each)
+    driven = drive_batch(
+        batch,
+        body,
+        stretches,
+        solver=solver,
+        tolerance=tolerance,
+        samples_per_hold=samples_per_hold,
+        max_steps=None if max_steps is None else whole_number("max_steps", max_steps, 1),
+        condition=bool(condition),
+        threads=processors() if threads is None else whole_number("threads", threads, 1),
+    )
+    runs = driven.runs
+    failed = np.flatnonzero(runs.statuses > FINISHED)
+    scales, suspects = _balanced(driven, tolerance)
+    for i in suspects.tolist():
+        if len(failed) == 0 or i < failed[0]:
+            balance = _balance_of_one(batch, driven, i, tolerance)
+            name, whose = PREDICTED[driven.solvers[i]], "" if single else f"crawler {i}: "
+            check_balance(balance, batch.crawlers[i], batch.scenes[i], tolerance, name, whose)
+    if len(failed):
+        error = _error(batch, driven, int(failed[0]), tolerance)
+        raise error if single else SolverError(f"crawler {failed[0]}: {error}")
 
-    batch, holds = schedule.shape
-    budget = (MAX_STEPS + STEPS_A_HOLD * holds) // max(1, scene.segments // _SEGMENTS_A_STEP)
-    if max_steps is not None:
-        budget = whole_number("max_steps", max_steps, 1)
-    samples = np.empty((batch, 5, holds * samples_per_hold))
-    parts = np.empty((batch, 2, scene.segments, samples.shape[2]) if is_chain(scene) else 0)
-    finals: list[Body] = []
-    ledgers: list[Ledger] = []
-    logs: list[NDArray[np.void]] = []
-    solvers = [choose(solver, groups_of, scene, hold, tolerance) for groups_of in crawlers]
-    grown, scales, conditions = np.empty(batch), np.empty(batch), np.empty(batch)
-    for member, (groups_of, by) in enumerate(zip(crawlers, solvers, strict=True)):
-        options = by.options(tolerance, energy=True, log=True, tangents=bool(condition), max_steps=budget)
-        row = schedule[member].astype(np.float64), hold, options, samples[member]
-        if is_chain(scene):
-            outcome, finished, events, store = run_chain(body, stretches, groups_of, scene, *row, parts[member])
-        else:
-            run = run_crawler(body, groups_of, scene, *row, by)
-            outcome, finished, events, store, conditions[member] = run
-        if outcome.status != FINISHED:
-            reached = finished * hold + outcome.elapsed
-            deformation, steps = outcome.body.deformation, outcome.steps
-            error = solver_error(
-                outcome.status, reached, deformation, steps, groups_of, scene, tolerance, by.name, outcome.body.slips
-            )
-            raise error if single else SolverError(f"crawler {member}: {error}")
-        finals.append(outcome.body)
-        ledgers.append(outcome.ledger)
-        grown[member] = store.growth
-        exact = by.name == "closed_form"
-        balance = balance_of(
-            outcome.ledger,
-            store,
-            outcome.steps,
-            0.0 if exact else tolerance,
-            max(abs(body.foot), float(np.abs(samples[member, 3]).max())),
-            groups_of.kinetic_friction + abs(scene.slope),
-        )
-        check_balance(balance, groups_of, scene, tolerance, by.name, "" if single else f"crawler {member}: ")
-        scales[member] = balance.scale
-        log = np.empty(len(events), EVENT)
-        log["time"], log["mode"], log["crawler"] = events[:, 0], events[:, 1], member
-        logs.append(log)
-
-    if not is_chain(scene):
-        parts = samples[:, :2, None]
-        if scene.segments > 1:
-            parts = np.repeat(parts / scene.segments, scene.segments, axis=2)
     fractions = np.arange(1, samples_per_hold + 1) / samples_per_hold
-    work, viscous, friction, _ = np.array(ledgers).reshape(batch, 4).T
-    slips = np.array([after.slips for after in finals], dtype=np.int64)
+    grid = (np.arange(batch.schedule.shape[1])[:, None] + fractions).ravel()
+    shared = np.ndim(hold) == 0
+    (work, viscous, friction, _), slips = runs.ledgers, runs.bodies[SLIPS].astype(np.int64)
 
     def shaped(values: NDArray[Any]) -> Any:
         return values[0] if single else values
 
     return Trajectory(
-        time=(np.arange(holds)[:, None] + fractions).ravel() * hold,
-        deformation=shaped(samples[:, 0]),
-        velocity=shaped(samples[:, 1]),
-        pressure=shaped(samples[:, 2]),
-        foot=shaped(samples[:, 3]),
-        foot_velocity=shaped(samples[:, 4]),
-        segment_deformation=shaped(parts[:, 0]),
-        segment_velocity=shaped(parts[:, 1]),
-        valve=shaped(schedule),
+        time=grid * batch.holds[0] if shared else grid * batch.holds[:, None],
+        deformation=shaped(runs.samples[:, 0]),
+        velocity=shaped(runs.samples[:, 1]),
+        pressure=shaped(runs.samples[:, 2]),
+        foot=shaped(runs.samples[:, 3]),
+        foot_velocity=shaped(runs.samples[:, 4]),
+        segment_deformation=shaped(driven.parts[:, 0]),
+        segment_velocity=shaped(driven.parts[:, 1]),
+        valve=shaped(batch.schedule),
         slips=int(slips[0]) if single else slips,
-        events=np.concatenate(logs),
+        events=_events(driven),
         work=shaped(work),
-        stored=shaped(grown),
+        stored=shaped(driven.store.growth),
         viscous_loss=shaped(viscous),
         friction_loss=shaped(friction),
         energy_scale=shaped(scales),
-        hold=hold,
-        model=_model(scene, solvers),
-        groups=crawlers[0] if single else tuple(crawlers),
+        hold=float(batch.holds[0]) if shared else batch.holds,
+        model=_model(batch, driven.solvers),
+        groups=batch.crawlers[0] if single else tuple(batch.crawlers),
         initial=deepcopy(start),
-        condition=(float(conditions[0]) if single else conditions) if condition else None,
+        condition=(float(driven.conditions[0]) if single else driven.conditions) if condition else None,
     )
 
 
-def _batch(groups: GroupsLike | Sequence[GroupsLike], valve: ArrayLike) -> tuple[list[Groups], NDArray[Any], bool]:
-    """Groups and schedules row by row, and whether there is one crawler only."""
+def _batch(groups: Any, valve: ArrayLike, hold: Any, scene: Any) -> tuple[Batch, bool]:
+    """Who is driven, row by row, and whether there is one crawler only."""
+    several = isinstance(scene, Sequence) and not isinstance(scene, str)
+    scenes = [Scene.of(one) for one in scene] if several else Scene.of(scene)
+    holds = number_within("hold", hold, HOLDS) if np.ndim(hold) == 0 else finite_array("hold", hold, 1)
+    each, schedule = groups_of_each(groups), _schedule(valve)
+    rows = {
+        "groups": None if isinstance(each, Groups) else len(each),
+        "valve": None if schedule.ndim == 1 else len(schedule),
+        "scene": len(scenes) if isinstance(scenes, list) else None,
+        "hold": None if isinstance(holds, float) else len(holds),
+    }
+    counts = {name: count for name, count in rows.items() if count is not None}
+    if len(set(counts.values())) > 1:
+        raise ValueError(
+            f"{_listed(list(counts))} must have as many rows, got {_listed([str(count) for count in counts.values()])}"
+        )
+    count = next(iter(counts.values()), 1)
+    if count == 0:
+        raise ValueError(f"{_listed(list(counts))} must have a row at least, got none")
+    if not isinstance(holds, float):
+        for i in np.flatnonzero(~(holds > 0.0))[:1].tolist():
+            number_within(f"hold of crawler {i}", float(holds[i]), HOLDS)
+    if isinstance(scenes, list) and len(segments := {one.segments for one in scenes}) > 1:
+        raise ValueError(f"scene must have the same segments in all rows, got {sorted(segments)}")
+    batch = Batch(
+        [each] * count if isinstance(each, Groups) else each,
+        scenes if isinstance(scenes, list) else [scenes] * count,
+        np.full(count, holds),
+        np.broadcast_to(schedule, (count, schedule.shape[-1])).copy() if schedule.ndim == 1 else schedule,
+    )
+    return batch, not counts
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
+
+
+def _schedule(valve: ArrayLike) -> NDArray[Any]:
+    """Duty cycles, checked: int8 where whole numbers were given, float64 where floats were."""
     try:
         given = np.asarray(valve)
     except ValueError:
@@ -199,17 +219,7 @@ def _batch(groups: GroupsLike | Sequence[GroupsLike], valve: ArrayLike) -> tuple
     if len(wrong):
         index = tuple(int(i) for i in wrong[0])
         raise ValueError(f"valve must hold only numbers in [0, 1], got {given[index]!r} at index {index}")
-    schedule = given.astype(np.float64 if kind == "f" else np.int8)
-    each = groups_of_each(groups)
-    single = isinstance(each, Groups)
-    crawlers = [each] if isinstance(each, Groups) else each
-    if schedule.ndim == 1:
-        return crawlers, np.broadcast_to(schedule, (len(crawlers), len(schedule))).copy(), single
-    if single:
-        return crawlers * len(schedule), schedule, False
-    if len(crawlers) != len(schedule):
-        raise ValueError(f"groups and valve must have as many rows, got {len(crawlers)} and {len(schedule)}")
-    return crawlers, schedule, False
+    return given.astype(np.float64 if kind == "f" else np.int8)
 
 
 def _start(initial: State | ChainState, scene: Scene) -> tuple[Body, NDArray[np.float64]]:
@@ -239,14 +249,69 @@ def _start(initial: State | ChainState, scene: Scene) -> tuple[Body, NDArray[np.
     return Body(*state, mode, 0), stretches
 
 
-def _model(scene: Scene, solvers: list[Solver]) -> str:
+def _balanced(driven: Driven, tolerance: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Scales of the energies, and crawlers whose energies may not add up."""
+    runs = driven.runs
+    errors = np.where(driven.solvers == PREDICTED.index("closed_form"), 0.0, tolerance)
+    with np.errstate(all="ignore"):  # the numbers of a run that has failed may be any
+        # Without the rounding of the foot's way, which takes a look at all samples.
+        balance = balance_of(Ledger(*runs.ledgers), driven.store, runs.steps, errors, 0.0, 0.0)
+        sound = (abs(balance.residual) <= balance.allowed) | (runs.statuses != FINISHED)
+    return balance.scale, np.flatnonzero(~sound)
+
+
+def _balance_of_one(batch: Batch, driven: Driven, i: int, tolerance: float) -> Balance:
+    runs = driven.runs
+    return balance_of(
+        Ledger(*runs.ledgers[:, i].tolist()),
+        Store(float(driven.store.growth[i]), float(driven.store.size[i])),
+        int(runs.steps[i]),
+        0.0 if PREDICTED[driven.solvers[i]] == "closed_form" else tolerance,
+        max(abs(float(runs.bodies[FOOT, i])), float(np.abs(runs.samples[i, 3]).max())),
+        batch.crawlers[i].kinetic_friction + abs(batch.scenes[i].slope),
+    )
+
+
+def _error(batch: Batch, driven: Driven, i: int, tolerance: float) -> SolverError:
+    """Why a crawler has failed."""
+    runs = driven.runs
+    return solver_error(
+        int(runs.statuses[i]),
+        float(runs.finished[i] * batch.holds[i] + runs.elapsed[i]),
+        float(runs.bodies[0, i]),
+        int(runs.steps[i]),
+        batch.crawlers[i],
+        batch.scenes[i],
+        tolerance,
+        PREDICTED[driven.solvers[i]],
+        int(runs.bodies[SLIPS, i]),
+    )
+
+
+def _events(driven: Driven) -> NDArray[np.void]:
+    """The events of all, crawler by crawler in order of time."""
+    counts = driven.runs.events
+    events = np.empty(int(counts.sum()), EVENT)
+    places = np.cumsum(counts) - counts
+    for log in driven.logs:
+        write_in_order(log, places, events["time"], events["mode"], events["crawler"])
+    return events
+
+
+def _model(batch: Batch, solvers: NDArray[np.int8]) -> str:
     """What was integrated, and by which solver."""
+    kinds = set(zip(map(id, batch.scenes), solvers.tolist(), strict=True))
+    scenes = {id(scene): scene for scene in batch.scenes}
+    found = {(_where(scenes[scene]), PREDICTED[solver].replace("_", " ")) for scene, solver in kinds}
+    return "; ".join(f"{where}, {name}" for where, name in sorted(found))
+
+
+def _where(scene: Scene) -> str:
     where = "anchored" if scene.anchored else "on the ground"
     if is_chain(scene):
-        where = f"chain of {scene.segments} segments, {where}"
-    elif scene.segments > 1:
-        where = f"{scene.segments} massless segments as one, {where}"
-    elif scene.tube_mass > 0.0:
-        where = f"half the tube's mass at each end, {where}"
-    names = sorted({solver.name.replace("_", " ") for solver in solvers})
-    return "; ".join(f"{where}, {name}" for name in names)
+        return f"chain of {scene.segments} segments, {where}"
+    if scene.segments > 1:
+        return f"{scene.segments} massless segments as one, {where}"
+    if scene.tube_mass > 0.0:
+        return f"half the tube's mass at each end, {where}"
+    return where

@@ -1,28 +1,28 @@
 """The solvers by name, and the choice among them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .closed_form.loop import is_linear, require_linear
-from .cost import predicted_cost, predicted_steps
+from .cost import cheapest_of_each, PREDICTED
+from .model.columns import coefficients_of_each, different, units_of
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Coefficients
 from .model.tube import is_chain
-from .steps.options import ClosedForm, MAX_STEPS, Method, Options, Radau, STEPS_A_HOLD, TAYLOR
+from .steps.options import ClosedForm, MAX_STEPS, Method, Options, Radau, TAYLOR
 from .steps.propagator import tabulate
 from .steps.radau import stages_for
 from .steps.taylor import order_for
 from .steps.workspace import ROWS, WIDTH
 
-__all__ = ["AUTO", "SOLVERS", "Solver", "choose", "solvers_for"]
+__all__ = ["AUTO", "SOLVERS", "Solver", "cheapest", "choose", "choose_for_each", "solvers_for"]
 
 AUTO = "auto"
-# Steps counted over steps predicted, which few exceed.
-_DOUBT = 2.0
 
 
 class Solver(NamedTuple):
@@ -71,23 +71,73 @@ def choose(name: str, groups: Groups, scene: Scene, hold: float, tolerance: floa
     """
     able = solvers_for(groups, scene)
     if name == AUTO:
-        name = able[0] if len(able) == 1 else _cheapest(able, groups, scene, hold, tolerance)
+        name = able[0] if len(able) == 1 else cheapest(groups, scene, hold, tolerance)
+    _refuse_unable(name, groups, scene)
+    return SOLVERS[name]
+
+
+def choose_for_each(
+    name: str,
+    groups: Sequence[Groups],
+    scenes: Sequence[Scene],
+    coefficients: NDArray[np.float64],
+    holds: NDArray[np.float64],
+    units: NDArray[np.float64],
+    tolerance: float,
+) -> NDArray[np.int8]:
+    """What `choose` chooses for each of n crawlers, as an index into the names of `PREDICTED`.
+
+    Parameters
+    ----------
+    name : str
+    groups, scenes : sequences of length n
+    coefficients : (11, n) array
+        Of each crawler, as `as_crawler` has it, in the columns of `coefficients_of_each`.
+    holds, units : (n,) arrays
+        Units of time are those of `as_crawler`.
+    tolerance : float
+
+    Returns
+    -------
+    (n,) array of int8
+
+    Raises
+    ------
+    ValueError
+        As `choose`.
+    """
+    chains = np.zeros(len(groups), np.bool_)
+    if any(map(is_chain, different(scenes))):
+        chains[:] = [is_chain(scene) for scene in scenes]
+    if name == AUTO:
+        alike = all((row == row[0]).all() for row in (holds, units, *coefficients))
+        some = slice(1) if alike else slice(None)
+        choices = np.empty(len(groups), np.int8)
+        choices[:] = cheapest_of_each(coefficients[:, some], holds[some], units[some], tolerance)
+        choices[chains] = PREDICTED.index("taylor")
+        return choices
+    linear = (coefficients[0] == 0.0) & (coefficients[3] == 0.0)
+    unable = chains & (name != "taylor") if name != "closed_form" else chains | ~linear
+    for i in np.flatnonzero(unable)[:1].tolist():
+        _refuse_unable(name, groups[i], scenes[i])
+    return np.full(len(groups), PREDICTED.index(name), np.int8)
+
+
+def _refuse_unable(name: str, groups: Groups, scene: Scene) -> None:
+    able = solvers_for(groups, scene)
     if name not in able and is_chain(scene):
         raise ValueError(f"solver must be one of {[AUTO, *able]} for a chain of heavy segments, got {name!r}")
     if name == "closed_form":
         require_linear(groups)
-    return SOLVERS[name]
 
 
-def _cheapest(able: tuple[str, ...], groups: Groups, scene: Scene, hold: float, tolerance: float) -> str:
-    case = groups, scene, hold, tolerance
-    steps = {name: hold * predicted_steps(name, *case) for name in able}
-    cost = {name: predicted_cost(name, *case) for name in able}
-    cheapest = min(able, key=cost.__getitem__)
-    if steps[cheapest] > STEPS_A_HOLD:
-        # Rather dear than not finished, where another surely finishes.
-        return min(able, key=lambda name: (steps[name] * _DOUBT > STEPS_A_HOLD, cost[name]))
-    return cheapest
+# Crawlers are often alike from one call to the next.
+@lru_cache(maxsize=1024)
+def cheapest(groups: Groups, scene: Scene, hold: float, tolerance: float) -> str:
+    """Name of the solver that "auto" takes, where there is more than one."""
+    bodies, scenes, units = units_of([groups], [scene])
+    columns = coefficients_of_each(bodies, scenes)
+    return PREDICTED[cheapest_of_each(columns, np.array([hold]), units, tolerance)[0]]
 
 
 def solvers_for(groups: Groups, scene: Scene) -> tuple[str, ...]:

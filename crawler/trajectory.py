@@ -35,8 +35,8 @@ class Trajectory:
 
     Attributes
     ----------
-    time : (samples,) array
-        Shared by the batch.
+    time : (samples,) array, or (batch, samples) where the holds differ
+        Else shared by the batch.
     deformation, velocity : (..., samples) arrays
         z = X_p - X_f - L_0 and its rate.
     pressure : (..., samples) array
@@ -60,7 +60,7 @@ class Trajectory:
     energy_scale : float or (...) array
         Sum of all energies without their signs, to which `energy_residual` is to be compared: what the pressure, the
         slope and the losses gave or took in each step, and what was stored at the start and at the end.
-    hold : float
+    hold : float, or (batch,) array
     model : str
         What was integrated, and by which solver.
     groups : Groups or tuple of Groups
@@ -92,7 +92,7 @@ class Trajectory:
     viscous_loss: Any
     friction_loss: Any
     energy_scale: Any
-    hold: float
+    hold: Any
     model: str
     groups: Groups | tuple[Groups, ...]
     initial: State | ChainState
@@ -100,14 +100,14 @@ class Trajectory:
     actuator: Actuator | None = None
 
     def __repr__(self) -> str:
-        holds, samples = self.valve.shape[-1], len(self.time)
+        holds, samples = self.valve.shape[-1], self.time.shape[-1]
         length, time, energy = ("z_c", "t_c", "P_max A_0 z_c") if self.actuator is None else ("m", "s", "J")
         members = [self.groups] if isinstance(self.groups, Groups) else self.groups
         kinds = list(dict.fromkeys(members))
         crawlers = "one crawler" if isinstance(self.groups, Groups) else f"{len(members)} crawlers"
         units = "natural units" if self.actuator is None else "SI"
         lines = (
-            f"Trajectory of {crawlers} in {units}: {holds} holds of {self.hold:.6g} {time}, "
+            f"Trajectory of {crawlers} in {units}: {holds} holds of {_spread(self.hold)} {time}, "
             f"{samples // holds} samples a hold",
             f"  groups  {kinds[0]}" + (f" and {len(kinds) - 1} more" if len(kinds) > 1 else ""),
             f"  model   {self.model}",

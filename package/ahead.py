@@ -42,6 +42,7 @@ def uses() -> Iterator[tuple[str, Callable[[], object]]]:
     tolerances = sorted({SOLVERS["taylor"].order_for(10.0**-digits): 10.0**-digits for digits in range(2, 16)}.items())
     for order, tolerance in tolerances:
         yield f"simulate, Taylor series of order {order}", partial(_simulate, "taylor", tolerance, {})
+        yield f"simulate, a batch by Taylor series of order {order}", partial(_simulate_batch, tolerance)
     yield "simulate, closed form", partial(_simulate, "closed_form", 1e-9, _LINEAR)
     yield "simulate, Radau collocation", partial(_simulate, "radau", 1e-9, {})
     yield "simulate, chain of segments", _chain
@@ -62,6 +63,10 @@ def uses() -> Iterator[tuple[str, Callable[[], object]]]:
 
 def _simulate(solver: str, tolerance: float, groups: dict[str, float]) -> object:
     return simulate(Groups(**groups), [1, 0], 0.5, solver=solver, tolerance=tolerance)
+
+
+def _simulate_batch(tolerance: float) -> object:
+    return simulate(Groups(), [[1, 0], [0, 1]], 0.5, solver="taylor", tolerance=tolerance)
 
 
 def _chain() -> object:

@@ -15,37 +15,30 @@ from ...compiling.compilation import allocating, compiled, OPTIONS
 from ...compiling.vectors import aligned_zeros, LANES
 from ..closed_form.affine_lanes import advance_anchored_lanes
 from ..drive import advance_by_method
-from ..model.equations import pressure_after
-from ..model.state import Body, Coefficients, NOTHING_YET
-from ..motion.events import jump, next_event
-from ..motion.loop import end_of_step, is_near, moment_of
+from ..model.columns import body_of, coefficients_at, write_body
+from ..model.state import Body, NOTHING_YET
+from ..motion.loop import moment_of
 from ..steps.options import ClosedForm, DIVERGED, FINISHED, is_taylor, method_of, Options, OUT_OF_STEPS
-from ..steps.taylor import state_at, trusted
-from ..steps.workspace import FORCE, LENGTH, ROWS, STEP, V, WIDTH, Z
+from ..steps.workspace import ROWS, WIDTH
+from .alone import load_crawler, step_alone, turn_valve
 from .step import (
-    COEFFICIENTS,
     COLUMNS,
     CRAWLER,
     DONE,
     ELAPSED,
-    END,
     HOLD,
     LANE_ROWS,
-    OPENING,
     REACHED,
     SAMPLE,
     sample_lanes,
     SAMPLING,
     STATE,
     step_lanes,
-    VALVE,
 )
 
 __all__ = ["advance_lanes", "lane_workspace", "one_by_one"]
 
 _BODY = len(Body._fields)
-_PHYSICS = len(Coefficients._fields)
-_UNFINISHED = -1
 
 
 def lane_workspace() -> NDArray[np.float64]:
@@ -203,44 +196,6 @@ def one_by_one(
         elapsed[i] = outcome.elapsed
 
 
-@compiled
-def body_of(bodies: NDArray[np.float64], i: int) -> Body:
-    """The body in a column."""
-    return Body(
-        bodies[0, i], bodies[1, i], bodies[2, i], bodies[3, i], bodies[4, i], int(bodies[5, i]), int(bodies[6, i])
-    )
-
-
-@compiled
-def write_body(body: Body, bodies: NDArray[np.float64], i: int) -> None:
-    """Put the body into a column."""
-    bodies[0, i] = body.deformation
-    bodies[1, i] = body.velocity
-    bodies[2, i] = body.pressure
-    bodies[3, i] = body.foot
-    bodies[4, i] = body.foot_velocity
-    bodies[5, i] = body.mode
-    bodies[6, i] = body.slips
-
-
-@compiled
-def coefficients_at(columns: NDArray[np.float64], i: int) -> Coefficients:
-    """The coefficients in a column."""
-    return Coefficients(
-        columns[0, i],
-        columns[1, i],
-        columns[2, i],
-        columns[3, i],
-        columns[4, i],
-        columns[5, i],
-        columns[6, i],
-        columns[7, i],
-        columns[8, i],
-        columns[9, i] != 0.0,
-        columns[10, i] != 0.0,
-    )
-
-
 @allocating
 def _in_lanes(
     bodies: NDArray[np.float64],
@@ -266,25 +221,25 @@ def _in_lanes(
     active = 0
     for lane in range(LANES):
         # Without enough crawlers the lanes left over idle on the first.
-        _load(queue if queue < end else begin, bodies, columns, valves, lanes, lane)
+        _load(queue if queue < end else begin, bodies, columns, valves, hold, lanes, lane)
         if queue < end:
             active |= 1 << lane
             queue = _next(queue + 1, end, skip)
 
     while active:
-        calm, last, due, sure = step_lanes(options.method, (options.tolerance, hold, float(count)), lanes)
+        calm, last, due, sure = step_lanes(options.method, (options.tolerance, float(count)), lanes)
         rough = active & ~calm
         last &= calm
         due &= active & calm
         lost = 0
         for lane in range(LANES):
             if (rough >> lane) & 1:
-                status = _step_alone(hold, options, (sure >> lane) & 1 == 1, lanes, lane, series)
+                status = step_alone(options, (sure >> lane) & 1 == 1, lanes, lane, series)
                 last |= (status == FINISHED) << lane
                 lost |= (status == DIVERGED) << lane
                 due |= (moment_of(lanes[SAMPLING, DONE, lane], count, hold) <= lanes[SAMPLING, REACHED, lane]) << lane
         while due:
-            (more,) = sample_lanes(options.method, (hold, float(count)), lanes)
+            (more,) = sample_lanes(options.method, (float(count),), lanes)
             for lane in range(LANES):
                 if (due >> lane) & 1:
                     i = int(lanes[HOLD, CRAWLER, lane])
@@ -303,7 +258,7 @@ def _in_lanes(
             elapsed[i] = lanes[STATE, ELAPSED, lane]
             statuses[i] = FINISHED if (last >> lane) & 1 else DIVERGED if (lost >> lane) & 1 else OUT_OF_STEPS
             if queue < end:
-                _load(queue, bodies, columns, valves, lanes, lane)
+                _load(queue, bodies, columns, valves, hold, lanes, lane)
                 steps[lane] = 0
                 queue = _next(queue + 1, end, skip)
             else:
@@ -324,69 +279,10 @@ def _load(
     bodies: NDArray[np.float64],
     columns: NDArray[np.float64],
     valves: NDArray[np.int64],
+    hold: float,
     lanes: NDArray[np.float64],
     lane: int,
 ) -> None:
-    for row in range(_BODY):
-        lanes[STATE, row, lane] = bodies[row, i]
-    for row in range(_PHYSICS):
-        lanes[COEFFICIENTS, row, lane] = columns[row, i]
-    lanes[STATE, ELAPSED, lane] = 0.0
-    lanes[HOLD, OPENING, lane] = bodies[2, i]
-    lanes[HOLD, VALVE, lane] = valves[i]
+    load_crawler(i, bodies, columns, hold, lanes, lane)
     lanes[HOLD, CRAWLER, lane] = i
-    lanes[SAMPLING, DONE, lane] = 0.0
-
-
-@compiled
-def _step_alone(
-    hold: float,
-    options: Options,
-    sure: bool,
-    lanes: NDArray[np.float64],
-    lane: int,
-    series: NDArray[np.float64],
-) -> int:
-    """Take a lane's step as `advance` would, from the series that the lane has; return the status.
-
-    Its samples are left to be taken with those of the other lanes.
-    """
-    order = options.order
-    for row in (Z, V, FORCE, STEP):
-        for n in range(order + 2):
-            series[row, n] = lanes[row, n, lane]
-    coefficients = coefficients_at(lanes[COEFFICIENTS], lane)
-    body = body_of(lanes[STATE], lane)
-    before = lanes[STATE, ELAPSED, lane]
-    valve = lanes[HOLD, VALVE, lane]
-    opening = Body(body.deformation, body.velocity, lanes[HOLD, OPENING, lane], body.foot, 0.0, 0, 0)
-    if sure:
-        longest = series[STEP, LENGTH]
-        end = Body(
-            lanes[END, 0, lane],
-            lanes[END, 1, lane],
-            lanes[END, 2, lane],
-            lanes[END, 3, lane],
-            lanes[END, 4, lane],
-            body.mode,
-            body.slips,
-        )
-    else:
-        longest, end = trusted(opening, body, coefficients, valve, before, options.tolerance, order, series)
-        if not longest >= 0.0:
-            return DIVERGED
-    length, mode = next_event(body, end, coefficients, valve, order, longest, options.tolerance, 0.0, series)
-    reached, last = end_of_step(body, hold, before, length, mode)
-    following = end
-    if length < longest:
-        pressure = pressure_after(opening, coefficients, valve, reached)
-        following = state_at(body, coefficients, pressure, order, length, series)
-    lanes[STEP, LENGTH, lane] = length
-    lanes[SAMPLING, REACHED, lane] = reached
-    if not is_near(following):
-        return DIVERGED
-    if mode != body.mode:
-        following = jump(following, mode, coefficients)
-    write_body(following, lanes[STATE], lane)
-    lanes[STATE, ELAPSED, lane] = reached
-    return FINISHED if last else _UNFINISHED
+    turn_valve(float(valves[i]), 0.0, hold, lanes, lane)

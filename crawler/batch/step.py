@@ -6,18 +6,23 @@ the single crawler's to the last bit.
 
 from typing import Any
 
-from ...compiling.tracing import unrolled_in_lanes, where
+import numpy as np
+
+from ...compiling.tracing import fma, unrolled_in_lanes, where
 from ...compiling.vectors import LANES
 from ..model.equations import moved, pressure_after
-from ..model.state import Body, Coefficients
+from ..model.state import Body, Coefficients, Ledger
+from ..motion.energy import posted
 from ..motion.events import is_quiet
 from ..motion.loop import is_near, moment_of
 from ..steps.taylor import is_sound, step_inputs
-from ..steps.taylor_series import step, value
+from ..steps.taylor_series import energy_nodes, step, value
 from ..steps.workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, WIDTH, Z
 
 __all__ = [
+    "BEFORE",
     "BEGIN",
+    "CLOSE",
     "COEFFICIENTS",
     "COLUMNS",
     "CRAWLER",
@@ -26,46 +31,53 @@ __all__ = [
     "END",
     "HOLD",
     "LANE_ROWS",
+    "LEDGER",
     "MOTION",
     "OPENING",
     "REACHED",
     "SAMPLE",
     "SAMPLING",
     "SLIPS",
+    "SPAN",
     "STATE",
+    "TURNED",
     "VALVE",
+    "account_lanes",
     "sample_lanes",
     "step_lanes",
+    "whole_sample_lanes",
 ]
 
 COLUMNS = WIDTH
 # Rows of the lanes' array after Z, V, (P) and FORCE.
-STATE, HOLD, COEFFICIENTS, SAMPLING, SAMPLE, END = range(STEP + 1, STEP + 7)
-LANE_ROWS = STEP + 7
+STATE, HOLD, COEFFICIENTS, SAMPLING, SAMPLE, END, BEFORE, LEDGER = range(STEP + 1, STEP + 9)
+LANE_ROWS = STEP + 9
 # Columns of the row STATE: the fields of `Body`, and the time into the hold.
 MOTION, SLIPS, ELAPSED = 5, 6, 7
-# Columns of the row HOLD: the pressure at its start, its valve, and which crawler this is.
-OPENING, VALVE, CRAWLER = range(3)
-# Columns of the row SAMPLING: samples taken, and the times at which the step began and ended.
+# Columns of the row HOLD: the pressure when the valve turned, its state, which crawler this is, the length of the
+# hold, and the times into it between which the valve stays.
+OPENING, VALVE, CRAWLER, SPAN, TURNED, CLOSE = range(6)
+# Columns of the row SAMPLING: samples taken, and the times at which the step began and ended. The row BEFORE has the
+# fields of `Body` at the step's start, the row LEDGER those of `Ledger`.
 DONE, BEGIN, REACHED = range(3)
 
 
-def _step(order: int, rows: Any, tolerance: Any, hold: Any, count: Any) -> tuple[dict[int, list[Any]], list[Any]]:
+def _step(order: int, rows: Any, tolerance: Any, count: Any) -> tuple[dict[int, list[Any]], list[Any]]:
     """The step, taken where nothing happens on it.
 
-    Truths: the lanes that have taken it, those that reach the end of the hold if they have, those with samples on the
-    way, and those whose series can be trusted to the end of the step.
+    Truths: the lanes that have taken it, those that reach the next turn of their valve if they have, those with samples
+    on the way, and those whose series can be trusted to the end of the step.
     """
-    body, coefficients = _lane(rows)
+    body, coefficients = _lane(rows, STATE)
     elapsed = rows[STATE][ELAPSED]
-    valve = rows[HOLD][VALVE]
-    remaining = hold - elapsed
+    valve, hold, turned, close = (rows[HOLD][column] for column in (VALVE, SPAN, TURNED, CLOSE))
+    remaining = close - elapsed
     series = step(order, None, *step_inputs(body, coefficients, valve, tolerance, remaining))
     reach: Any = series[STEP]
     length, z, v, expected = (reach[column] for column in (LENGTH, END_Z, END_V, END_FORCE))
 
     opening = body._replace(pressure=rows[HOLD][OPENING])
-    pressure = pressure_after(opening, coefficients, valve, elapsed + length)
+    pressure = pressure_after(opening, coefficients, valve, (elapsed - turned) + length)
     end = moved(body, coefficients, z, v, pressure, length)
     quiet = is_quiet(body, coefficients, series[FORCE][0], reach)
     finite = abs(series[V][order + 1]) < float("inf")
@@ -74,7 +86,7 @@ def _step(order: int, rows: Any, tolerance: Any, hold: Any, count: Any) -> tuple
     calm = sure & (coefficients.anchored | quiet) & is_near(end)
 
     last = length >= remaining
-    reached = where(last, hold, elapsed + length)
+    reached = where(last, close, elapsed + length)
     state = [where(calm, after, before) for after, before in zip(end[:MOTION], body[:MOTION], strict=True)]
     state += [body.mode, body.slips, where(calm, reached, elapsed)]
     done = rows[SAMPLING][DONE]
@@ -82,28 +94,79 @@ def _step(order: int, rows: Any, tolerance: Any, hold: Any, count: Any) -> tuple
     due = moment_of(done, count, hold) <= reached
     sampling = [done, elapsed, reached]
     written = {row: series[row] for row in (Z, V, FORCE, STEP)}
-    return {**written, STATE: state, SAMPLING: sampling, END: list(end[:MOTION])}, [calm, last, due, sure]
+    others = {STATE: state, SAMPLING: sampling, END: list(end[:MOTION]), BEFORE: list(body[:SLIPS])}
+    return {**written, **others}, [calm, last, due, sure]
 
 
-def _sample(order: int, rows: Any, hold: Any, count: Any) -> tuple[dict[int, list[Any]], list[Any]]:
-    """The next sample of the step that has been taken. Truth: the lanes with yet another."""
-    body, coefficients = _lane(rows)
+def _sampled(order: int, rows: Any, count: Any) -> tuple[Any, ...]:
+    """Samples that are taken when the next one is, its time into the step, and its deformation, rate and pressure.
+
+    Last comes the truth: the lanes with yet another.
+    """
+    body, coefficients = _lane(rows, BEFORE)
     done, begin, reached = (rows[SAMPLING][column] for column in (DONE, BEGIN, REACHED))
+    valve, hold, turned = (rows[HOLD][column] for column in (VALVE, SPAN, TURNED))
     moment = moment_of(done, count, hold)
     t = (moment - begin).smaller(rows[STEP][LENGTH])
     square = t * t
     z, v = (value([rows[row][n] for n in range(order + 2)], t, square) for row in (Z, V))
     opening = body._replace(pressure=rows[HOLD][OPENING])
-    pressure = pressure_after(opening, coefficients, rows[HOLD][VALVE], moment)
+    pressure = pressure_after(opening, coefficients, valve, moment - turned)
     done = where(moment <= reached, done + 1.0, done)
-    return {SAMPLE: [z, v, pressure], SAMPLING: [done]}, [moment_of(done, count, hold) <= reached]
+    return done, t, z, v, pressure, moment_of(done, count, hold) <= reached
 
 
-def _lane(rows: Any) -> tuple[Body, Coefficients]:
-    body = Body(*(rows[STATE][n] for n in range(len(Body._fields))))
+def _sample(order: int, rows: Any, count: Any) -> tuple[dict[int, list[Any]], list[Any]]:
+    """Deformation, rate and pressure at the next sample of the step that has been taken."""
+    done, _, z, v, pressure, more = _sampled(order, rows, count)
+    return {SAMPLE: [z, v, pressure], SAMPLING: [done]}, [more]
+
+
+def _whole_sample(order: int, rows: Any, count: Any) -> tuple[dict[int, list[Any]], list[Any]]:
+    """The same with the foot and its velocity."""
+    done, t, z, v, pressure, more = _sampled(order, rows, count)
+    body, coefficients = _lane(rows, BEFORE)
+    return {SAMPLE: list(moved(body, coefficients, z, v, pressure, t)[:MOTION]), SAMPLING: [done]}, [more]
+
+
+def _account(order: int, rows: Any) -> tuple[dict[int, list[Any]], list[Any]]:
+    """The energies of the step that has been taken, as `account` adds them. Truth: the lanes with a sound ledger."""
+    before, coefficients = _lane(rows, BEFORE)
+    after, _ = _lane(rows, STATE)
+    length = rows[STEP][LENGTH]
+    gap = before.pressure - rows[HOLD][VALVE]
+    pressures = [before.pressure]
+    for n in range(1, order + 1):
+        gap = gap * (coefficients.lag_rate * (-1.0 / n))
+        pressures.append(gap)
+    series = [rows[Z][n] for n in range(order + 2)], [rows[V][n] for n in range(order + 2)], pressures
+    work = viscous = None
+    for node, weight in zip(*energy_nodes(order), strict=True):
+        t = length * node
+        z, v, p = (_horner(row, t) for row in series)
+        power, heat = ((p * z.fma(coefficients.radial_coupling, 1.0)) * v) * weight, (v * v) * weight
+        work, viscous = (power, heat) if work is None else (work + power, viscous + heat)
+    ledger = Ledger(*(rows[LEDGER][n] for n in range(len(Ledger._fields))))
+    viscous = coefficients.damping * (viscous * length)
+    ledger = posted(ledger, before, after, coefficients, work * length, viscous)
+    return {LEDGER: list(ledger)}, [abs(ledger.flow) < np.inf]
+
+
+def _horner(coefficients: list[Any], t: Any) -> Any:
+    total = fma(t, coefficients[-1], coefficients[-2])
+    for coefficient in coefficients[-3::-1]:
+        total = fma(total, t, coefficient)
+    return total
+
+
+def _lane(rows: Any, state: int) -> tuple[Body, Coefficients]:
+    fields: list[Any] = [*(rows[state][n] for n in range(SLIPS)), rows[STATE][SLIPS]]
+    body = Body(*fields)
     numbers: list[Any] = [rows[COEFFICIENTS][n] for n in range(len(Coefficients._fields))]
     return body, Coefficients(*numbers[:-2], *(flag != 0.0 for flag in numbers[-2:]))
 
 
 step_lanes = unrolled_in_lanes(_step, LANES, 4)
 sample_lanes = unrolled_in_lanes(_sample, LANES, 1)
+whole_sample_lanes = unrolled_in_lanes(_whole_sample, LANES, 1)
+account_lanes = unrolled_in_lanes(_account, LANES, 1)

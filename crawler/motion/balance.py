@@ -4,9 +4,8 @@ The balance knows nothing of how a run was made. An event that was missed, a foo
 wrong step break it by as much as they change the motion.
 """
 
-import math
 import warnings
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,45 +25,45 @@ class EnergyWarning(RuntimeWarning):
 
 
 class Store(NamedTuple):
-    """What a body stores, in units of P_max A_0 z_c."""
+    """What a body stores, or each of many, in units of P_max A_0 z_c."""
 
-    growth: float  # of kinetic, elastic and potential energy
-    size: float  # kinetic and elastic energy at the start and at the end, added
+    growth: Any  # of kinetic, elastic and potential energy
+    size: Any  # kinetic and elastic energy at the start and at the end, added
 
 
 class Balance(NamedTuple):
-    """Energies of a run, in units of P_max A_0 z_c."""
+    """Energies of a run, or of each of many, in units of P_max A_0 z_c."""
 
-    residual: float  # work less what is stored and lost
-    scale: float  # sum of the sizes of all energies
-    allowed: float  # largest residual that the solver's error explains
+    residual: Any  # work less what is stored and lost
+    scale: Any  # sum of the sizes of all energies
+    allowed: Any  # largest residual that the solver's error explains
 
 
-def store_between(before: tuple[float, float], after: tuple[float, float]) -> Store:
+def store_between(before: tuple[Any, Any], after: tuple[Any, Any]) -> Store:
     """What is stored, from (kinetic and elastic, potential) energy at the start and at the end."""
     return Store(sum(after) - sum(before), before[0] + after[0])
 
 
-def balance_of(ledger: Ledger, store: Store, steps: int, tolerance: float, farthest: float, rubbing: float) -> Balance:
-    """The balance of one run.
+def balance_of(ledger: Ledger, store: Store, steps: Any, tolerance: Any, farthest: Any, rubbing: Any) -> Balance:
+    """The balance of one run, or of many, whose numbers are then arrays.
 
     Parameters
     ----------
     ledger : Ledger
     store : Store
-    steps : int
+    steps : number
         That the run took.
-    tolerance : float
+    tolerance : number
         0 for the closed form.
-    farthest : float
+    farthest : number
         Largest distance of the foot from 0, to which the rounding of its way is relative.
-    rubbing : float
+    rubbing : number
         Force that does work along that way: kinetic friction and the weight along the slope.
     """
     residual = ledger.work - store.growth - ledger.viscous - ledger.friction
     scale = ledger.flow + store.size
     # A force's error acts on a body whose speed is at most the root of twice its energy over its mass.
-    error = _TOLERANCES * tolerance * (math.sqrt(scale) + tolerance)
+    error = _TOLERANCES * tolerance * (np.sqrt(scale) + tolerance)
     rounding = _ROUNDINGS * float(np.finfo(np.float64).eps) * (1.0 + scale + rubbing * farthest)
     return Balance(residual, scale, steps * (error + rounding))
 

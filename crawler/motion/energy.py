@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled, merged
+from ...compiling.compilation import formula, merged
 from ..model.state import Body, Coefficients, Ledger
 from ..steps.options import Method
 from ..steps.taylor_series import write_energies
@@ -28,7 +28,7 @@ def account(
     return posted(ledger, before, after, coefficients, series[STEP, WORK], coefficients.damping * series[STEP, VISCOUS])
 
 
-@compiled
+@formula
 def posted(
     ledger: Ledger, before: Body, after: Body, coefficients: Coefficients, work: float, viscous: float
 ) -> Ledger:

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...compiling.tracing import fma, sum_of_products, unrolled
 from .workspace import FORCE, P, STEP, V, WORK, Z
 
-__all__ = ["series_coefficients", "step", "value", "write_energies", "write_step"]
+__all__ = ["energy_nodes", "series_coefficients", "step", "value", "write_energies", "write_step"]
 
 # Where the motion is fainter than the tolerance, an absolute test would allow steps beyond the series' radius of
 # convergence. The body's own period is 2 pi, so this many natural units keep within it.
@@ -125,12 +126,18 @@ def _energies(order: int, rows: Any, length: Any, radial_coupling: Any) -> dict[
     of their accuracy. Gauss-Legendre quadrature of the truncated series on order / 2 + 2 nodes loses nothing, and all
     nodes are computed at once.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(order // 2 + 2)
-    t = length.times_each(0.5 + 0.5 * nodes)
+    nodes, weights = energy_nodes(order)
+    t = length.times_each(nodes)
     z, v, p = (_horner(rows[row], degree, t) for row, degree in ((Z, order + 1), (V, order + 1), (P, order)))
     area = z.fma(radial_coupling, 1.0)
-    work, viscous = ((power * v).weighted_sum(0.5 * weights) * length for power in (p * area, v))
+    work, viscous = ((power * v).weighted_sum(weights) * length for power in (p * area, v))
     return {STEP: [*(rows[STEP][n] for n in range(WORK)), work, viscous]}
+
+
+def energy_nodes(order: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Nodes in [0, 1] and weights of the quadrature of a step's energies."""
+    nodes, weights = np.polynomial.legendre.leggauss(order // 2 + 2)
+    return 0.5 + 0.5 * nodes, 0.5 * weights
 
 
 def _horner(coefficients: Any, degree: int, t: Any) -> Any:

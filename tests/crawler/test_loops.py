@@ -23,6 +23,12 @@ BOUNDS = {
     ("crawler/batch/advance.py", "_in_closed_form", "first < end"): "crawlers of the batch",
     ("crawler/batch/advance.py", "_in_lanes", "active"): "max_steps for each crawler of the batch",
     ("crawler/batch/advance.py", "_in_lanes", "due"): "samples of a hold",
+    (
+        "crawler/batch/lane_runs.py",
+        "go_on_in_lanes",
+        "control[ACTIVE] != 0 and left > 0 and (control[LOGGED] + LANES <= len(log.times))",
+    ): "steps of a call",
+    ("crawler/batch/lane_runs.py", "go_on_in_lanes", "due"): "samples of a hold",
     ("crawler/batch/advance.py", "_next", "i < end and skip[i]"): "crawlers of the batch",
 }
 FILES = sorted(path for folder in PACKAGE for path in (ROOT / folder).rglob("*.py"))

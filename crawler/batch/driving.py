@@ -1,0 +1,84 @@
+"""Many crawlers through their schedules on all processors, in lanes where their method has them."""
+
+from itertools import pairwise
+from threading import Event
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.sharing import share
+from ...compiling.vectors import LANES
+from ..motion import progress
+from ..steps.options import FINISHED, Options
+from ..steps.workspace import ROWS, WIDTH
+from .advance import lane_workspace
+from .lane_runs import ACTIVE, ADMITTED, blank_log, CALL, go_on_in_lanes, Log, LOGGED, QUEUED, Runs
+
+__all__ = ["drive_in_lanes", "parts_of"]
+
+# Crawlers that one thread takes at once: as many as keep lanes full but for the last few, where there are enough.
+_CROWD = 32 * LANES
+# Holds that are driven before another thread has woken.
+_LEAST_HOLDS = 1000
+# Events of a call of compiled code.
+_EVENTS = 16_384
+
+
+def parts_of(count: int, holds: int, threads: int) -> list[slice]:
+    """Shares of `count` crawlers that threads take in turn, each of whole blocks of lanes but the last."""
+    if threads == 1 or count * holds < _LEAST_HOLDS:
+        return [slice(0, count)]
+    parts = min(-(-count // LANES), max(threads, -(-count // _CROWD)))
+    ends = [min(count, LANES * round(-(-count // LANES) * part / parts)) for part in range(parts + 1)]
+    return [slice(begin, end) for begin, end in pairwise(ends)]
+
+
+def drive_in_lanes(
+    crawlers: NDArray[np.int64], schedule: NDArray[Any], runs: Runs, options: Options, threads: int
+) -> list[Log]:
+    """Drive crawlers through their schedules by Taylor series, as `drive` does each alone, to the bit.
+
+    Parameters
+    ----------
+    crawlers : (m,) array
+        Places in `runs`, ascending.
+    schedule : (n, holds) array
+        Duty cycles of all n.
+    runs : Runs
+        Updated. Once a run has failed those of later crawlers may be left out.
+    options : Options
+        Events are logged.
+    threads : int
+        Most that share the work.
+
+    Returns
+    -------
+    list of Log
+        Those of one crawler in order of time.
+    """
+    failed = Event()
+
+    def work(part: slice, over: Event) -> list[Log]:
+        logs: list[Log] = []
+        if failed.is_set():
+            return logs
+        queue = crawlers[part]
+        duties = schedule[queue].astype(np.float64)
+        state = np.zeros((4, LANES), np.int64)
+        lanes, series, log = lane_workspace(), np.empty((ROWS, WIDTH)), blank_log(_EVENTS)
+        state[0, ADMITTED] = len(queue)
+        while not over.is_set():
+            # Looked up here, so that a test can have more pauses.
+            state[0, CALL] = progress.PAUSE_AFTER
+            go_on_in_lanes(state, queue, duties, runs, options, log, lanes, series)
+            some = slice(int(state[0, LOGGED]))
+            logs.append(Log(log.times[some].copy(), log.modes[some].copy(), log.crawlers[some].copy()))
+            if state[0, ACTIVE] == 0:
+                break
+            if (runs.statuses[queue] > FINISHED).any():
+                failed.set()
+                state[0, ADMITTED] = state[0, QUEUED]  # those who are in may fail too, and one of them be the first
+        return logs
+
+    return [log for logs in share(work, parts_of(len(crawlers), schedule.shape[1], threads), threads) for log in logs]

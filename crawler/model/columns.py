@@ -1,0 +1,122 @@
+"""Crawlers as columns of arrays: what a batch is made of, in structures of arrays."""
+
+from collections.abc import Iterable, Sequence
+from itertools import chain, repeat
+from operator import attrgetter, is_
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...compiling.compilation import compiled
+from ...compiling.vectors import aligned_zeros
+from .groups import Groups
+from .scene import Scene
+from .state import Body, Coefficients, coefficients_of
+from .tube import as_crawler, is_chain
+
+__all__ = [
+    "body_of",
+    "coefficients_at",
+    "coefficients_of_each",
+    "columns_of",
+    "different",
+    "units_of",
+    "write_body",
+]
+
+
+def coefficients_of_each(groups: Sequence[Groups], scenes: Sequence[Scene]) -> NDArray[np.float64]:
+    """Coefficients of many crawlers' equations: those that `coefficients_of` gives each.
+
+    Parameters
+    ----------
+    groups, scenes : sequences of length n
+        Of crawlers of one body, see `units_of`.
+
+    Returns
+    -------
+    (11, n) array
+        Fields of `Coefficients` in order, a crawler a column.
+    """
+    return columns_of(_attributes(groups, Groups.__slots__), _attributes(scenes, Scene.__slots__), len(groups))
+
+
+def columns_of(groups: dict[str, Any], scenes: dict[str, Any], count: int) -> NDArray[np.float64]:
+    """Coefficients from arrays of what `Groups` and `Scene` name, or numbers that hold for all; shape (11, count)."""
+    columns = aligned_zeros(len(Coefficients._fields), count)
+    with np.errstate(all="ignore"):
+        fields = coefficients_of(cast(Groups, SimpleNamespace(**groups)), cast(Scene, SimpleNamespace(**scenes)))
+        for row, values in zip(columns, fields, strict=True):
+            row[:] = values
+    return columns
+
+
+def units_of(
+    groups: Sequence[Groups], scenes: Sequence[Scene]
+) -> tuple[Sequence[Groups], Sequence[Scene], NDArray[np.float64]]:
+    """Each crawler as `as_crawler` has it, and its unit of time; a chain is left as it is."""
+    units = np.ones(len(groups))
+    if not any(scene.tube_mass > 0.0 for scene in different(scenes)):
+        return groups, scenes, units
+    bodies = [
+        (own, scene, 1.0) if is_chain(scene) else as_crawler(own, scene)
+        for own, scene in zip(groups, scenes, strict=True)
+    ]
+    units[:] = [unit for _, _, unit in bodies]
+    return [own for own, _, _ in bodies], [scene for _, scene, _ in bodies], units
+
+
+def _attributes(each: Sequence[Any], names: Iterable[str]) -> dict[str, Any]:
+    """Fields of each, by name: arrays, or numbers where all are one."""
+    names = tuple(names)
+    first = each[0]
+    if all(map(is_, each, repeat(first))):
+        return {name: getattr(first, name) for name in names}
+    numbers = chain.from_iterable(map(attrgetter(*names), each))
+    table = np.fromiter(numbers, np.float64, len(each) * len(names)).reshape(len(each), len(names))
+    return dict(zip(names, table.T, strict=True))
+
+
+def different(each: Sequence[Any]) -> list[Any]:
+    """The objects in a sequence, each once."""
+    return list({id(one): one for one in each}.values())
+
+
+@compiled
+def body_of(bodies: NDArray[np.float64], i: int) -> Body:
+    """The body in a column."""
+    return Body(
+        bodies[0, i], bodies[1, i], bodies[2, i], bodies[3, i], bodies[4, i], int(bodies[5, i]), int(bodies[6, i])
+    )
+
+
+@compiled
+def write_body(body: Body, bodies: NDArray[np.float64], i: int) -> None:
+    """Put the body into a column."""
+    bodies[0, i] = body.deformation
+    bodies[1, i] = body.velocity
+    bodies[2, i] = body.pressure
+    bodies[3, i] = body.foot
+    bodies[4, i] = body.foot_velocity
+    bodies[5, i] = body.mode
+    bodies[6, i] = body.slips
+
+
+@compiled
+def coefficients_at(columns: NDArray[np.float64], i: int) -> Coefficients:
+    """The coefficients in a column."""
+    return Coefficients(
+        columns[0, i],
+        columns[1, i],
+        columns[2, i],
+        columns[3, i],
+        columns[4, i],
+        columns[5, i],
+        columns[6, i],
+        columns[7, i],
+        columns[8, i],
+        columns[9, i] != 0.0,
+        columns[10, i] != 0.0,
+    )
