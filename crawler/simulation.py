@@ -172,7 +172,7 @@ def _batch(groups: Any, valve: ArrayLike, hold: Any, scene: Any) -> tuple[Batch,
     """Who is driven, row by row, and whether there is one crawler only."""
     several = isinstance(scene, Sequence) and not isinstance(scene, str)
     scenes = [Scene.of(one) for one in scene] if several else Scene.of(scene)
-    holds = number_within("hold", hold, HOLDS) if np.ndim(hold) == 0 else finite_array("hold", hold, 1)
+    holds = number_within("hold", hold, HOLDS) if np.ndim(hold) == 0 else finite_array("hold", hold, 1).copy()
     each, schedule = groups_of_each(groups), _schedule(valve)
     rows = {
         "groups": None if isinstance(each, Groups) else len(each),

@@ -3,13 +3,16 @@
 import inspect
 import math
 from dataclasses import fields
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 from cases import WORD
 from judge import judge
 
+from stickslip.common.sharing import processors, share
 from stickslip.crawler import Actuator, ChainState, Groups, PRESETS, REST, Scene, simulate, SolverError, State
+from stickslip.crawler.batch import driving
 
 SHORT = 1e-4
 CHAIN = {"segments": 2, "tube_mass": 0.5}
@@ -81,6 +84,13 @@ def condition_is_found_where_asked_for():
     assert forgotten.condition < 1e-10
 
 
+def threads_share_a_batch():
+    for given, used in ((3, 3), (1, 1), (None, processors())):
+        with patch.object(driving, "share", wraps=share) as shared:
+            simulate({}, [WORD, WORD], 1.0, threads=given)
+        assert shared.call_args.args[2] == used
+
+
 SIMULATE = {
     "scene": scene_changes_the_world,
     "tolerance": tolerance_bounds_the_error,
@@ -89,6 +99,7 @@ SIMULATE = {
     "initial": initial_is_where_it_starts,
     "max_steps": max_steps_is_the_budget,
     "condition": condition_is_found_where_asked_for,
+    "threads": threads_share_a_batch,
 }
 
 

@@ -224,7 +224,9 @@ def test_refuses_rows_that_do_not_match(change, error, says):
 def test_scenes_or_holds_alone_make_a_batch():
     two = simulate(Groups(), [1, 0], 1.0, scene=[None, {"slope": 0.1}])
     assert_same(two, 1, simulate(Groups(), [1, 0], 1.0, scene=Scene(slope=0.1)))
-    two = simulate("linear", [1, 0], np.array([1.0, 0.3]))
+    holds = np.array([1.0, 0.3])
+    two = simulate("linear", [1, 0], holds)
+    holds[:] = 7.0
     assert_same(two, 1, simulate("linear", [1, 0], 0.3))
     assert two.hold.tolist() == [1.0, 0.3]
     assert "holds of 0.3 to 1 t_c" in repr(two)
