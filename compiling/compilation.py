@@ -70,12 +70,12 @@ def merged(kernel: Function) -> Function:
 
 
 def formula(expression: Function) -> Function:
-    """Let compiled code call an expression that can be traced too (`stickslip.compiling.tracing`).
+    """Let compiled code call an ordinary function, which stays one.
 
     Parameters
     ----------
     expression : callable
-        Arithmetic without branches: it stays an ordinary function, over anything that adds and multiplies.
+        Without branches it can be traced too (`stickslip.compiling.tracing`), over anything that adds and multiplies.
 
     Returns
     -------

@@ -232,7 +232,7 @@ def _predict(
         predictions[1, solver] = costs[solver] * steps
 
 
-@compiled
+@formula
 def _steps_of(
     solver: int, coefficients: Coefficients, spell: float, order: int, stages: int, tolerance: float
 ) -> float:
@@ -268,7 +268,7 @@ def _steps_of(
     return count
 
 
-@compiled
+@formula
 def _held_stretch(coefficients: Coefficients) -> float:
     """Deformation at which the full pressure holds the body: the root of Pi1 z^3 + (1 - Pi5) z = 1.
 
@@ -285,7 +285,7 @@ def _held_stretch(coefficients: Coefficients) -> float:
     return min(z, FARTHEST)
 
 
-@compiled
+@formula
 def _body_modes(
     coefficients: Coefficients, mode: int, deformation: float, push: float, jump: float
 ) -> tuple[Mode, Mode]:
@@ -306,7 +306,7 @@ def _body_modes(
     return Mode(fast, decay, sudden, mobility, True), Mode(slow, slow, gradual * (slow / fast), mobility, True)
 
 
-@compiled
+@formula
 def _method(solver: int, order: int, stages: int, tolerance: float) -> Method:
     if solver == _TAYLOR:
         digits = math.lgamma(order + 1.0) + math.log(tolerance)
@@ -316,7 +316,7 @@ def _method(solver: int, order: int, stages: int, tolerance: float) -> Method:
     return Method(stages, factorial + math.log(tolerance), _RADAU_REACH, longest, True)
 
 
-@compiled
+@formula
 def _steps_through(mode: Mode, span: float, method: Method) -> float:
     """Steps that a mode asks for in the time `span` after it was set off."""
     if mode.rate == 0.0:
@@ -341,7 +341,7 @@ def _steps_through(mode: Mode, span: float, method: Method) -> float:
     return alive * mean * mode.rate / reach + (span - alive) * afterwards
 
 
-@compiled
+@formula
 def _looks_at(mode: Mode, span: float) -> float:
     """Looks for events that a mode asks for in the time `span` after it was set off."""
     alive = span if mode.decay * span < _LOOKED_AT else _LOOKED_AT / mode.decay

@@ -8,7 +8,17 @@ from cases import BOUNCER, HUNT, run, WORD
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip.crawler import Actuator, drive, EnergyWarning, Groups, Scene, simulate, simulation, SolverError, State
+from stickslip.crawler import (
+    Actuator,
+    batch_simulation,
+    drive,
+    EnergyWarning,
+    Groups,
+    Scene,
+    simulate,
+    SolverError,
+    State,
+)
 from stickslip.crawler.model.state import Body, Ledger
 from stickslip.crawler.motion import chain_loop, progress
 from stickslip.crawler.motion.balance import balance_of, check_balance, Store
@@ -92,8 +102,8 @@ def test_a_run_whose_ledger_misses_energy_is_not_answered_in_silence(monkeypatch
         return (outcome._replace(ledger=outcome.ledger._replace(work=outcome.ledger.work + lost)), *ends[1:])
 
     for name in ("run_crawler", "run_chain"):
-        honest = getattr(simulation, name)
-        monkeypatch.setattr(simulation, name, lambda *given, honest=honest: missing(honest(*given)))
+        honest = getattr(batch_simulation, name)
+        monkeypatch.setattr(batch_simulation, name, lambda *given, honest=honest: missing(honest(*given)))
     with pytest.warns(EnergyWarning, match="the energies do not add up: .* contradicts the conservation of energy"):
         done = simulate(valve=WORD, hold=1.0, **arguments)
     assert np.isnan(done.energy_residual) or done.energy_residual == pytest.approx(lost, abs=1e-8)
@@ -181,8 +191,8 @@ def test_what_the_solvers_error_explains_is_no_reason_to_warn(monkeypatch, name,
         return (outcome._replace(ledger=outcome.ledger._replace(work=outcome.ledger.work + lost)), *ends[1:])
 
     for kernel in ("run_crawler", "run_chain"):
-        honest = getattr(simulation, kernel)
-        monkeypatch.setattr(simulation, kernel, lambda *given, honest=honest: missing(honest(*given)))
+        honest = getattr(batch_simulation, kernel)
+        monkeypatch.setattr(batch_simulation, kernel, lambda *given, honest=honest: missing(honest(*given)))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         simulate(valve=WORD, hold=1.0, **arguments)
