@@ -21,8 +21,8 @@ from ..reservoir.prequential import PrequentialMemory
 from .calibration import calibrated_memory
 from .infos import begun, info_of, place_of, table_of_infos, TOLD
 from .observation import observation_space, seen_at_rest
-from .rendering.drawing import Renderer
 from .rendering.frame import frame_of
+from .rendering.renderer import Renderer
 from .settings import CRAWLER_OPTIONS, known_options, Settings
 from .single_kernel import ANSWERS, calibration_states, ELAPSED, NO_MEMORY, rest, REWARD, samples_of, stepper_for
 from .specification import Specified

@@ -9,8 +9,10 @@ from typing import Literal, TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .drawing import GREY, MIST, Renderer, VALUE_SIZE
+from .canvas import GREY, MIST
 from .frame import Frame
+from .panel import VALUE_SIZE
+from .renderer import Renderer
 from .window import import_pygame, Window
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from gymnasium.wrappers.vector import RecordVideo
 from pictures import GREY, MIST, places_of, width_of
 
 from stickslip.envs import tile
-from stickslip.envs.rendering.drawing import HEIGHT, WIDTH
+from stickslip.envs.rendering.canvas import HEIGHT, WIDTH
 
 pygame = pytest.importorskip("pygame")
 

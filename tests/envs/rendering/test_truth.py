@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from pictures import AIR, BLUE, box_of, GREY, INK, MIST, ORANGE, places_of, shown_in, width_of
 
-from stickslip.envs.rendering.drawing import Renderer
 from stickslip.envs.rendering.frame import Frame
+from stickslip.envs.rendering.renderer import Renderer
 
 RESTING = Frame(0.0, 0.4, 0.5, 2.0, 0, False, 0, 0.5, 0.3)
 SLIDING, BACKWARD = (RESTING._replace(contact_mode=mode) for mode in (1, -1))

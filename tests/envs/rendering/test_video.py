@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
 
-from stickslip.envs.rendering.drawing import HEIGHT, WIDTH
+from stickslip.envs.rendering.canvas import HEIGHT, WIDTH
 
 pytest.importorskip("pygame")
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from gymnasium.error import DependencyNotInstalled
 
-from stickslip.envs.rendering.drawing import HEIGHT, Renderer, WIDTH
+from stickslip.envs.rendering.canvas import HEIGHT, WIDTH
 from stickslip.envs.rendering.frame import Frame
+from stickslip.envs.rendering.renderer import Renderer
 
 pytest.importorskip("pygame")
 
@@ -122,7 +123,7 @@ def test_numpy_scalars_are_drawn_like_numbers():
 
 def test_arrays_need_no_display():
     code = (
-        "import pygame; from stickslip.envs.rendering.drawing import *;"
+        "import pygame; from stickslip.envs.rendering.renderer import *; from stickslip.envs.rendering.frame import *;"
         f"image = Renderer('rgb_array', 30).draw(Frame{tuple(FRAME)!r});"
         "assert image.std() > 1 and not pygame.display.get_init()"
     )
@@ -132,7 +133,7 @@ def test_arrays_need_no_display():
 
 
 def test_importing_the_module_leaves_pygame_alone():
-    code = "import sys, stickslip.envs.rendering.drawing; assert 'pygame' not in sys.modules"
+    code = "import sys, stickslip.envs.rendering.renderer; assert 'pygame' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
