@@ -104,6 +104,14 @@ def test_a_run_whose_ledger_misses_energy_is_not_answered_in_silence(monkeypatch
     for name in ("run_crawler", "run_chain"):
         honest = getattr(batch_simulation, name)
         monkeypatch.setattr(batch_simulation, name, lambda *given, honest=honest: missing(honest(*given)))
+    in_lanes = batch_simulation.drive_in_lanes
+
+    def missing_in_lanes(crawlers, schedule, runs, *others):
+        logs = in_lanes(crawlers, schedule, runs, *others)
+        runs.ledgers[0, crawlers] += lost
+        return logs
+
+    monkeypatch.setattr(batch_simulation, "drive_in_lanes", missing_in_lanes)
     with pytest.warns(EnergyWarning, match="the energies do not add up: .* contradicts the conservation of energy"):
         done = simulate(valve=WORD, hold=1.0, **arguments)
     assert np.isnan(done.energy_residual) or done.energy_residual == pytest.approx(lost, abs=1e-8)
