@@ -27,7 +27,7 @@ from stickslip.common.files import atomically
 from stickslip.train import StickSlipVecEnv
 from stickslip.train.evaluations import read_evaluations
 from stickslip.train.hyperparameters import read_hyperparameters
-from stickslip.train.run import ALGORITHMS, Configuration
+from stickslip.train.run import Configuration
 from stickslip.train.training import train
 
 with optional_import():
@@ -44,6 +44,7 @@ FIGURE = BENCHMARKS.parent / "docs" / "images" / "learning_curves"
 TASK = {"memory_weight": 0.0, "dither": 0.0}
 # Both kinds of PPO update once in 8192 steps.
 STEPS = {"ppo": 65_536, "a2c": 32_768, "dqn": 32_768, "qrdqn": 32_768, "recurrent_ppo": 65_536}
+ALGORITHMS = tuple(STEPS)
 SEEDS = range(3)
 OPTIMUM = 1.0615  # the best open-loop word, without its start from rest
 EPISODES = 20  # of the random policy

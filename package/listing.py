@@ -19,7 +19,8 @@ def known_by_name() -> dict[str, list[str]]:
         algorithm says what to install.
     """
     try:
-        from .train.run import ALGORITHMS
+        from .train import run  # noqa: F401  (it is the first to miss the extra)
+        from .train.algorithms import ALGORITHMS
 
         algorithms = list(ALGORITHMS)
     except MissingExtra as missing:

@@ -12,6 +12,7 @@ from ..common.files import atomically
 from ..common.validation import known_names, whole_number
 from ..envs.settings import Settings
 from ..envs.specification import plain
+from .algorithms import ALGORITHMS
 
 with optional_import():
     import yaml
@@ -20,7 +21,6 @@ __all__ = ["Configuration", "Run"]
 
 _CHECKPOINT = re.compile(r"(\d+)_steps\.zip")
 ENV_ARGUMENTS = tuple(signature(Settings.of).parameters)
-ALGORITHMS = ("ppo", "a2c", "dqn", "qrdqn", "recurrent_ppo")
 ENVIRONMENTS = ("StickSlipCrawler-v0",)
 _LARGEST_SEED = 2**32 - 1
 _KEPT = ("configuration.yml", "checkpoints", "best.zip", "final.zip", "evaluations.csv", "replay_buffer.pkl")
@@ -32,7 +32,8 @@ class Configuration:
 
     Parameters
     ----------
-    algorithm : {"ppo", "a2c", "dqn", "qrdqn", "recurrent_ppo"}
+    algorithm : str
+        One of `stickslip.train.algorithms.ALGORITHMS`.
     environment : {"StickSlipCrawler-v0"}
     env_kwargs : dict
         Its arguments; kept as JSON holds them.

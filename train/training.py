@@ -13,6 +13,7 @@ from ..common.files import atomically
 from ..common.fingerprint import described, refuse_other, rounded
 from ..common.threads import library_threads
 from ..envs import StickSlipCrawlerEnv
+from .algorithms import algorithm_class
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .hyperparameters import resolve
 from .run import Configuration, Run
@@ -20,8 +21,6 @@ from .vec_env import StickSlipVecEnv
 
 with optional_import():
     import tensorboard  # noqa: F401  (Stable-Baselines3 logs by it)
-    from sb3_contrib import QRDQN, RecurrentPPO
-    from stable_baselines3 import A2C, DQN, PPO
     from stable_baselines3.common.base_class import BaseAlgorithm
     from stable_baselines3.common.callbacks import BaseCallback
     from stable_baselines3.common.evaluation import evaluate_policy
@@ -30,13 +29,6 @@ with optional_import():
 
 __all__ = ["load_policy", "train"]
 
-_ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
-    "ppo": PPO,
-    "a2c": A2C,
-    "dqn": DQN,
-    "qrdqn": QRDQN,
-    "recurrent_ppo": RecurrentPPO,
-}
 _CONFIGURATION = "stickslip_configuration"
 _REWARDS = "stickslip_first_rewards"
 _PROBED = 16
@@ -111,7 +103,7 @@ def train(
             checkpoint = run.latest_checkpoint()
         with library_threads(1):
             if checkpoint is None:
-                model = _ALGORITHMS[configuration.algorithm](
+                model = algorithm_class(configuration.algorithm)(
                     configuration.hyperparameters["policy"],
                     environments,
                     seed=configuration.seed,
@@ -184,7 +176,7 @@ def load_policy(run: Run, file: Path | None = None) -> BaseAlgorithm:
 def _load(configuration: Configuration, file: Path, env: VecEnv | None = None) -> BaseAlgorithm:
     """A model from a file, if it was trained in the environment that the configuration names."""
     try:
-        model = _ALGORITHMS[configuration.algorithm].load(file, env=env, device="cpu")
+        model = algorithm_class(configuration.algorithm).load(file, env=env, device="cpu")
         trained_as = Configuration(**vars(model)[_CONFIGURATION])
     except Exception as error:  # SB3 raises whatever zipfile, pickle or torch do
         reason = " ".join(str(error).split())[:200]

@@ -15,6 +15,7 @@ from stickslip.crawler import PRESETS, simulate
 from stickslip.studies.benchmark import run_benchmark
 from stickslip.studies.benchmark.sweep import parse_sweep
 from stickslip.tasks import known_reservoirs, MEASURES, RESERVOIRS, SeriesTask, TASKS
+from stickslip.train.algorithms import ALGORITHMS
 from stickslip.train.run import Configuration
 
 
@@ -55,7 +56,7 @@ def refuse(capsys, *arguments):
         (["--steps", "0"], "error: --steps must be a whole number >= 1, got 0"),
         (
             ["--algorithm", "magic"],
-            "error: algorithm must be one of ['ppo', 'a2c', 'dqn', 'qrdqn', 'recurrent_ppo'], got 'magic'",
+            f"error: algorithm must be one of {list(ALGORITHMS)}, got 'magic'",
         ),
         (["--hyperparameters", "/nowhere.yml"], "error: [Errno 2] No such file or directory: '/nowhere.yml'"),
     ],

@@ -2,9 +2,11 @@
 
 import json
 import os
+import re
 import signal
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import typer
 import yaml
@@ -13,7 +15,7 @@ from stickslip import ahead, cli, demo
 from stickslip.commands import app, run
 from stickslip.common.extras import MissingExtra
 from stickslip.crawler import Groups, Scene
-from stickslip.crawler.solvers import SOLVERS
+from stickslip.crawler.solvers import choose, SOLVERS
 from stickslip.studies import search, work_precision
 from stickslip.studies.benchmark import bench
 from stickslip.tasks import BodyReservoir, known_reservoirs, TASKS
@@ -92,10 +94,17 @@ def test_what_is_not_said_is_as_the_pages_say():
     assert all(each.help for command in commands.values() for each in command.params)
 
 
-def told(capsys, *arguments):
-    """Run a command that must succeed; the words it printed, whatever the width of the terminal."""
-    assert run(list(map(str, arguments))) == 0, capsys.readouterr().err
-    return " ".join(capsys.readouterr().out.split())
+def told(capsys, *arguments, bar=None):
+    """Run a command that must succeed; the words it printed, whatever the width of the terminal.
+
+    `bar` is the one on standard error that it leaves: what is done, and how much of how much.
+    """
+    status, printed = run(list(map(str, arguments))), capsys.readouterr()
+    assert status == 0, printed.err
+    if bar is not None:
+        time = r"\d:\d\d:\d\d"
+        assert re.search(rf"^{bar[0]} \S+ {bar[1]} {time} ({time}|-:--:--)\s*$", printed.err, re.MULTILINE), printed.err
+    return " ".join(printed.out.split())
 
 
 @pytest.fixture
@@ -182,7 +191,7 @@ def test_what_is_said_of_a_run_that_goes_on_is_compared_even_where_it_is_the_def
 def test_a_run_that_goes_on_may_be_told_what_it_knows_and_further_steps(trained, capsys):
     command = ["train", "--output", trained, "--resume", "--hold", 0.75, "--seed", 5]
     assert "after 16 steps" in told(capsys, *command, "--env-kwargs", '{"delays": 3}')
-    told(capsys, *command, "--steps", 24)
+    told(capsys, *command, "--steps", 24, bar=("training", "24/24"))
     assert Run.open(trained).configuration.hyperparameters["n_timesteps"] == 24
     assert Run.open(trained).latest_checkpoint().name == "24_steps.zip"
 
@@ -233,10 +242,10 @@ def test_a_measurement_of_speed_is_of_all_that_was_asked_for(capsys, monkeypatch
         return studies[-1]
 
     monkeypatch.setattr(work_precision, "measure", one_miscounts)
-    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setenv("COLUMNS", "60")  # the table is wider, and none of it is cut
     command = ["speed", "--output", tmp_path / "speed", "--groups", "linear", "--scene", '{"slope": 0.125}']
     command += ["--hold", 0.75, "--holds", 12, "--error", 1e-4, "--rounds", 3, "--seed", 5]
-    said = told(capsys, *command)
+    said = told(capsys, *command, bar=("measuring", r"(?P<n>\d+)/(?P=n)"))
     found = json.loads((tmp_path / "speed" / "work_precision.json").read_text(encoding="utf-8"))
     assert noted == [3]
     assert found["groups"] == Groups.of("linear").to_dict()
@@ -261,6 +270,7 @@ def test_a_measurement_of_speed_is_of_all_that_was_asked_for(capsys, monkeypatch
         cells += ["77 ✗" if row is found["rows"][0] else str(row["slips"])]
         cells += [f"{time['median']:.2f}", f"{time['low']:.2f}–{time['high']:.2f}"]
         assert f"{' '.join(cells)} {time['median'] / cheapest:.2f}" in said
+    assert "…" not in said
     assert said.count("✗") == 2
     assert said.count("≤") > 1
 
@@ -271,7 +281,7 @@ def test_a_benchmark_is_of_all_that_was_asked_for(capsys, calls, tmp_path):
     command = ["bench", "--output", folder, "--tasks", "NARMA-2 NRMSE", "--reservoirs", "crawler,delay line"]
     command += ["--seeds", 2, "--features", 6, "--length", 500, "--washout", 150, "--hold", 0.75]
     command += ["--groups", '{"duffing": 2}', "--scene", '{"slope": 0.125}', "--against", "delay line"]
-    said = told(capsys, *command)
+    said = told(capsys, *command, bar=("scoring", "4/4"))
     body = {"hold": 0.75, "groups": {"duffing": 2}, "scene": {"slope": 0.125}}
     assert noted[0][1]["body"] == body
     inputs = json.loads((folder / "benchmark.json").read_text(encoding="utf-8"))["inputs"]
@@ -290,7 +300,7 @@ def test_a_benchmark_is_of_all_that_was_asked_for(capsys, calls, tmp_path):
     assert isinstance(expected["crawler"], BodyReservoir)
     assert "6 features, mean [95% interval of the mean] over 2 seeds" in said
     assert "differences from delay line on the same draws, mean [95% interval of the mean] over 2 seeds" in said
-    assert f"Tables, figures and scores: {folder}" in said.replace("- ", "-")
+    assert f"Tables, figures and scores: {folder}" in said
     # What is printed is what is written, cell by cell.
     for line in (folder / "table.md").read_text(encoding="utf-8").splitlines():
         if line.startswith("|") and "---" not in line:
@@ -320,7 +330,7 @@ def test_a_search_is_of_all_that_was_asked_for(capsys, calls, tmp_path):
     command = ["search", "--task", task, "--output", tmp_path / "search", "--reservoir", "echo-state"]
     command += ["--features", 6, "--fixed", '{"leak": 0.5}', "--evaluations", 4, "--seconds", 1e6]
     command += ["--length", 500, "--tests", 3, "--seed", 5]
-    said = told(capsys, *command)
+    said = told(capsys, *command, bar=(task, "4/4"))
     ((asked, space), named) = searched[0]
     assert asked is TASKS[task]
     assert repr(space) == repr(search.echo_state_space(6).where(leak=0.5))
@@ -348,10 +358,16 @@ def test_a_search_is_of_all_that_was_asked_for(capsys, calls, tmp_path):
     )
 
 
-def test_a_search_for_a_body_searches_bodies(capsys, calls, tmp_path):
-    class Stop(Exception):
-        pass
+def test_a_search_may_be_told_when_to_stop(capsys, tmp_path):
+    # Too little time for any but the first.
+    command = ["search", "--task", "NARMA-2 uniform NRMSE", "--output", tmp_path / "search"]
+    command += ["--reservoir", "echo-state", "--features", 6, "--length", 400, "--tests", 2]
+    told(capsys, *command, "--seconds", 1e-9)
+    best = json.loads((tmp_path / "search" / "best.json").read_text(encoding="utf-8"))
+    assert best["evaluations"] < 300
 
+
+def test_a_search_for_a_body_searches_bodies(capsys, calls, tmp_path):
     searched = calls(search, "body_space", search.echo_state_space(6))
     command = ["search", "--task", "NARMA-2 uniform NRMSE", "--output", tmp_path / "search", "--reservoir", "body"]
     told(capsys, *command, "--features", 9, "--evaluations", 2, "--length", 400, "--tests", 2)
@@ -387,7 +403,8 @@ def test_every_use_is_compiled_and_where_is_told(capsys, monkeypatch):
     made = []
     monkeypatch.setattr(ahead, "where_kept", lambda: "some/folder")
     monkeypatch.setattr(ahead, "uses", lambda: ((name, lambda name=name: made.append(name)) for name in "abc"))
-    assert told(capsys, "compile") == "every kernel is compiled; the solver's are kept in some/folder"
+    said = told(capsys, "compile", bar=("compiling", "3/3"))
+    assert said == "every kernel is compiled; the solver's are kept in some/folder"
     assert made == ["a", "b", "c"]
 
 
@@ -411,6 +428,57 @@ def test_what_is_compiled_ahead_is_every_order_of_every_kind():
         "echo-state network",
         "Lorenz's flow",
     }
+
+
+def test_what_is_compiled_ahead_is_used_as_its_name_says(monkeypatch):
+    """Each use simulates, or makes environments, resets and steps them, with the solver and order of its name."""
+    made = []
+
+    class Environment:
+        def __init__(self, **settings):
+            made.append(("made", settings))
+
+        def reset(self, seed):
+            made.append("reset")
+
+        def step(self, action):
+            made.append(("step", np.shape(action)))
+
+        def close(self):
+            made.append("closed")
+
+    monkeypatch.setattr(ahead, "simulate", lambda groups, *_, **named: made.append((groups, named)))
+    monkeypatch.setattr(ahead, "StickSlipCrawlerEnv", Environment)
+    monkeypatch.setattr(ahead.gym, "make_vec", lambda name, count, **settings: Environment(name=name, **settings))
+    for name, use in ahead.uses():
+        made.clear()
+        kind, _, body = name.partition(", ")
+        if kind not in KINDS:
+            continue
+        use()
+        order = int(body.rpartition(" ")[2]) if body.startswith("Taylor") else None
+        if body == "chain of segments":
+            (((groups, named)),) = made
+            assert (groups, named["scene"].segments > 1, named["scene"].tube_mass > 0) == (Groups(), True, True)
+            continue
+        if kind == "simulate":
+            ((groups, named),) = made
+            solver, tolerance = named["solver"], named["tolerance"]
+            assert solver == {"T": "taylor", "c": "closed_form", "R": "radau"}[body[0]]
+        else:
+            (_, settings), *lived = made
+            shape = () if kind == "environment" else (2,)
+            assert lived == ["reset", ("step", shape), *(["closed"] if shape else [])]
+            groups, tolerance = Groups.of(settings["groups"]), settings["tolerance"]
+            solver = {"T": "taylor", "c": "closed_form", "R": "radau"}[body[0]]
+            assert choose("auto", groups, Scene(), 0.5, tolerance) is SOLVERS[solver]
+            assert (settings.get("dither") == 0.0) == (kind == "batch without memory")
+            assert (settings.get("memory_weight") == 0.0) == (kind == "batch without memory")
+            assert settings.get("name", "StickSlipCrawler-v0") == "StickSlipCrawler-v0"
+        if order is not None:
+            assert SOLVERS["taylor"].order_for(tolerance) == order
+        if solver == "closed_form":
+            assert groups.duffing == groups.radial_coupling == 0.0
 
 
 @pytest.mark.parametrize("status", [0, 1, 2])

@@ -11,8 +11,9 @@ import time
 
 import numpy as np
 import pytest
+import typer
 
-from stickslip.interruption import way_on
+from stickslip.commands import app
 from stickslip.reservoir import echo_state, EchoStateNetwork
 from stickslip.tasks import chaos, lorenz
 
@@ -167,9 +168,10 @@ def test_the_way_on_is_a_command(tmp_path, monkeypatch, name, kept, expected):
     folder.mkdir()
     if kept:
         (folder / kept).touch()
-    assert way_on(name, folder, [name, "--output", "a run"]) == expected
+    command = typer.main.get_command(app).commands[name]
+    assert command.way_on(folder, [name, "--output", "a run"]) == expected
     if kept:
-        assert way_on(name, folder, [name, "--output", "a run", "--resume"]) == expected
+        assert command.way_on(folder, [name, "--output", "a run", "--resume"]) == expected
 
 
 @pytest.mark.parametrize(

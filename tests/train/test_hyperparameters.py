@@ -2,8 +2,8 @@
 
 import pytest
 
+from stickslip.train.algorithms import ALGORITHMS
 from stickslip.train.hyperparameters import linear_schedule, read_hyperparameters, resolve
-from stickslip.train.run import ALGORITHMS
 
 ID = "StickSlipCrawler-v0"
 

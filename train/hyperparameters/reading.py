@@ -6,7 +6,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ..common.extras import optional_import
+from ...common.extras import optional_import
 
 with optional_import():
     import yaml
@@ -26,11 +26,11 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
     Parameters
     ----------
     algorithm : str
-        "ppo", "a2c", "dqn", "qrdqn" or "recurrent_ppo".
+        One of `stickslip.train.algorithms.ALGORITHMS`.
     environment : str
         The environment's id.
     file : Path, optional
-        A YAML file of your own; the package's `train/<algorithm>.yml` by default.
+        A YAML file of your own; the package's `train/hyperparameters/<algorithm>.yml` by default.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
     """
     if file is None:
         text = (resources.files(__package__) / f"{algorithm}.yml").read_text(encoding="utf-8")
-        source = f"train/{algorithm}.yml"
+        source = f"train/hyperparameters/{algorithm}.yml"
     else:
         source = str(file)
         try:

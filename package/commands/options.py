@@ -1,0 +1,53 @@
+"""Options that several commands take, and what is made of them."""
+
+import json
+from typing import Annotated, Any, TypeAlias
+
+from ..common.extras import optional_import
+
+with optional_import():
+    import typer
+
+__all__ = ["GroupsOption", "SceneOption", "groups_of", "json_object", "said_in"]
+
+GroupsOption: TypeAlias = Annotated[
+    str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")
+]
+SceneOption: TypeAlias = Annotated[str, typer.Option(help="JSON such as '{\"ratchet\": false}'.")]
+
+
+def groups_of(text: str) -> str | dict[str, Any]:
+    """A preset's name, or a mapping of fields from JSON."""
+    return json_object("--groups", text) if text.lstrip().startswith("{") else text
+
+
+def json_object(option: str, text: str) -> dict[str, Any]:
+    """A mapping from JSON.
+
+    Raises
+    ------
+    ValueError
+        If `text` is none, or names something twice; the message begins with the option.
+    """
+    try:
+        value = json.loads(text, object_pairs_hook=lambda pairs: _distinct(option, pairs))
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{option} must be a JSON object, got {text!r}: {error}") from None
+    if not isinstance(value, dict):
+        raise ValueError(f"{option} must be a JSON object, got {text!r}")
+    return value
+
+
+def said_in(context: typer.Context) -> set[str]:
+    """Names of the options that stand on the command line."""
+    sources = {name: context.get_parameter_source(name) for name in context.params}
+    return {name for name, source in sources.items() if source is not None and source.name == "COMMANDLINE"}
+
+
+def _distinct(option: str, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object's names and values, of which JSON would keep the last of a name silently."""
+    names = [name for name, _ in pairs]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"{option} must name {name!r} once, got it {names.count(name)} times")
+    return dict(pairs)

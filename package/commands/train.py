@@ -1,0 +1,84 @@
+"""``stickslip train``."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+from ..common.extras import optional_import
+from ..common.validation import known_names, whole_number
+from ..train.algorithms import ALGORITHMS
+from .options import groups_of, GroupsOption, json_object, said_in
+from .printing import progress
+
+with optional_import():
+    import typer
+
+__all__ = ["train"]
+
+_ENVIRONMENT = "StickSlipCrawler-v0"
+*_FIRST, _LAST = ALGORITHMS
+_ALGORITHM_HELP = f"{', '.join(_FIRST)} or {_LAST}."
+
+
+def train(
+    context: typer.Context,
+    output: Annotated[Path, typer.Option(help="Folder of the run.")],
+    memory_weight: Annotated[float, typer.Option(help="Share of memory in the reward, 0 to 1.")] = 0.5,
+    dither: Annotated[float, typer.Option(help="Probability that a command is flipped, 0 to 0.5.")] = 0.1,
+    hold: Annotated[float, typer.Option(help="Length of a step, natural time.")] = 0.5,
+    groups: GroupsOption = None,
+    env_kwargs: Annotated[str, typer.Option(help="Further arguments of the environment, as JSON.")] = "{}",
+    steps: Annotated[
+        int | None,
+        typer.Option(help="Environment steps in all, instead of the file's or the resumed run's; updates are whole."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of everything random.")] = 0,
+    algorithm: Annotated[str, typer.Option(help=_ALGORITHM_HELP)] = "ppo",
+    hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in rl-baselines3-zoo's form.")] = None,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="Go on from the last checkpoint in the folder, which says all but the steps."),
+    ] = False,
+) -> None:
+    """Train a policy, with evaluations, checkpoints and TensorBoard logs in the output folder."""
+    from ..train.evaluations import best_of, read_evaluations
+    from ..train.hyperparameters import read_hyperparameters
+    from ..train.run import Configuration, ENV_ARGUMENTS, Run
+    from ..train.training import train as train_policy
+
+    arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold}
+    if groups is not None:
+        arguments["groups"] = groups_of(groups)
+    further = json_object("--env-kwargs", env_kwargs)
+    for name in (*arguments, "groups", "render_mode"):
+        if name in further:
+            raise ValueError(f"--env-kwargs must not set {name}: it has an option of its own, or is not for training")
+    known_names("--env-kwargs", further, [name for name in ENV_ARGUMENTS if name not in (*arguments, "groups")])
+    arguments |= further
+    if resume:
+        # What is not said is as in the folder, and what is said is compared with it.
+        kept = Run.open(output).configuration
+        said = said_in(context)
+        arguments = kept.env_kwargs | {name: arguments[name] for name in arguments if name in said or name in further}
+        algorithm = algorithm if "algorithm" in said else kept.algorithm
+        seed = seed if "seed" in said else kept.seed
+    # The algorithm is checked before a file of its name is looked for.
+    configuration = Configuration(algorithm=algorithm, environment=_ENVIRONMENT, env_kwargs=arguments, seed=seed)
+    if resume and hyperparameters is None:
+        entry = dict(kept.hyperparameters)
+    else:
+        entry = read_hyperparameters(algorithm, _ENVIRONMENT, hyperparameters)
+    if steps is not None:
+        entry["n_timesteps"] = whole_number("--steps", steps, 1)
+    configuration.hyperparameters.update(entry)
+
+    with progress("training") as show:
+        total = entry["n_timesteps"]
+        finished = train_policy(
+            configuration, output, resume=resume, on_progress=lambda done: show(min(done, total), total)
+        )
+    best = best_of(read_evaluations(finished.folder / "evaluations.csv"))
+    terms = "" if math.isnan(best.speed) else f" (speed {best.speed:.4f}, memory {best.memory:.4f})"
+    typer.echo(
+        f"best policy: {best.reward:.4f} reward per step{terms} after {best.steps} steps, kept in {finished.best}"
+    )

@@ -1,0 +1,29 @@
+"""The page that shows all that the demo made."""
+
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from ..common.extras import optional_import
+from ..common.files import atomically
+
+__all__ = ["write_page"]
+
+
+def write_page(file: Path, **content: Any) -> None:
+    """Write the page, whole or not at all.
+
+    Parameters
+    ----------
+    file : Path
+        Beside the figures and the clip that it shows.
+    **content
+        What ``page.html.jinja`` names.
+    """
+    with optional_import():
+        import jinja2
+
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    template = environment.from_string((resources.files(__package__) / "page.html.jinja").read_text("utf-8"))
+    page = template.render(**content)
+    atomically(file, lambda path: path.write_text(page, encoding="utf-8"))
