@@ -1,6 +1,7 @@
 """Type checkers and editors see what the package exports, in a development install as in a wheel."""
 
 import json
+import os
 import shutil
 import subprocess
 import venv
@@ -61,6 +62,35 @@ for code in json.load(sys.stdin):
     found[code] = [[each.name for each in script.complete()], [each.to_string() for each in script.get_signatures()]]
 print(json.dumps(found))
 """
+
+
+HERE = """
+import json, os
+import stickslip
+from stickslip import Groups, simulate
+from stickslip.commands import app
+from stickslip.train.algorithms import ALGORITHMS
+from stickslip.train.hyperparameters import read_hyperparameters
+
+found = os.path.dirname(stickslip.__file__)
+walk = os.walk(found, followlinks=True)
+files = [os.path.relpath(os.path.join(at, name), found) for at, _, names in walk for name in names]
+print(json.dumps({
+    "where": found,
+    "files": files,
+    "steps": [read_hyperparameters(name, "StickSlipCrawler-v0")["n_timesteps"] for name in ALGORITHMS],
+    "crawled": simulate(Groups(duffing=0, radial_coupling=0), [1, 0], 1.0).foot[-1] > 0,
+}))
+"""
+
+
+def files_of_the_package():
+    """What an installation must hold, relative to it: sources, and the data that they read."""
+    for folder in FOLDERS:
+        for at, _, names in os.walk(ROOT / folder):
+            for file in (Path(at) / name for name in names if "__pycache__" not in at):
+                if file.suffix in (".py", ".yml", ".jinja") or file.name == "py.typed":
+                    yield str(file.relative_to(ROOT / folder if folder == "package" else ROOT))
 
 
 def install(folder, how):
@@ -140,6 +170,23 @@ def test_an_editor_completes(installed, tmp_path):
     for code, name in expected.items():
         assert name in found[code][0], code
     assert found[question][1][0].startswith("Groups(duffing: float=0.5, damping_ratio: float=0.05")
+
+
+def test_python_in_the_root_of_a_checkout_finds_the_whole_of_what_is_installed(installed):
+    python, source = installed
+    done = subprocess.run([python, "-c", HERE], capture_output=True, text=True, cwd=source, encoding="utf-8")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    (site,) = python.parents[1].glob("lib/python*/site-packages")
+    editable = any("editable" in path.name for path in site.iterdir())
+    # Of an installed wheel nothing is read from the checkout that Python happens to be in.
+    assert Path(found["where"]) == (source / "src" if editable else site) / "stickslip"
+    expected = set(files_of_the_package())
+    assert len(expected) > 130
+    assert expected <= set(found["files"])
+    assert {file for file in found["files"] if "__pycache__" not in file} == expected
+    assert len(found["steps"]) >= 5
+    assert found["crawled"]
 
 
 def test_a_new_file_is_seen_at_once_in_a_development_install(tmp_path):
