@@ -2,7 +2,8 @@
 
 import shutil
 import time
-from dataclasses import replace
+from contextlib import nullcontext
+from dataclasses import asdict, replace
 from functools import partial
 
 import numpy as np
@@ -310,6 +311,39 @@ def test_checkpoints_that_are_none_are_refused(short_run, tmp_path):
         load_policy(short_run, tmp_path / "text.zip")
 
 
+def test_a_long_reason_for_a_refusal_is_cut(short_run, monkeypatch):
+    def fail(*_, **__):
+        raise ValueError("x\n" * 300)
+
+    monkeypatch.setattr(PPO, "load", fail)
+    with pytest.raises(ValueError, match=r"checkpoint .*final\.zip is not one of ppo: (x ){100}$"):
+        load_policy(short_run, short_run.final)
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_every_environment_is_closed_again(tmp_path, fails):
+    closed = []
+
+    class Noting(StickSlipVecEnv):
+        def close(self):
+            closed.append(self.num_envs)
+            super().close()
+
+    def progress(done):
+        if fails:
+            raise KeyboardInterrupt
+
+    asked = replace(configuration(8, n_envs=2, n_steps=4, batch_size=8), env_kwargs=TRADE)
+    with pytest.raises(KeyboardInterrupt) if fails else nullcontext():
+        train(
+            asked,
+            tmp_path / "run",
+            on_progress=progress,
+            vec_env=lambda count, **arguments: Noting(count, max_episode_steps=5, **arguments),
+        )
+    assert sorted(closed) == [2, 8]
+
+
 @pytest.mark.parametrize("changed", [{"scene": {"ratchet": False}}, {"hold": 3.0}, {"groups": "high-damping"}])
 def test_a_checkpoint_of_another_configuration_is_refused(short_run, tmp_path, changed):
     other = replace(short_run.configuration, env_kwargs={**SPEED, **changed})
@@ -350,6 +384,7 @@ def test_a_run_that_has_ended_may_be_extended(tmp_path):
     assert done[0] > 256
     assert load_policy(extended, extended.final).num_timesteps == 512
     assert (run.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()[: len(rows)] == rows
+    assert vars(load_policy(extended, extended.final))["stickslip_configuration"] == asdict(extended.configuration)
     # The folder knows of it: a second crash would be resumed to the new end.
     assert Run.open(run.folder).configuration == configuration(512, **small)
 
