@@ -7,6 +7,7 @@ from pathlib import Path
 from ..common.extras import optional_import
 from ..common.figures import save_figure
 from ..common.files import atomically
+from ..common.threads import library_threads
 from ..crawler import Groups, Scene, simulate
 from ..envs import StickSlipCrawlerEnv
 from ..reservoir import memory_capacity
@@ -22,7 +23,6 @@ from .page import write_page
 with optional_import():
     from rich.console import Console
     from rich.table import Table
-    from threadpoolctl import threadpool_limits
 
 __all__ = ["run_demo"]
 
@@ -62,7 +62,7 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
     began = time.perf_counter()
     folder.mkdir(parents=True, exist_ok=True)
     # The two trainings take a core each; BLAS beside them must not take another.
-    with threadpool_limits(1), Classroom(folder / "policies", _LESSONS, seed, steps) as classroom:
+    with library_threads(1), Classroom(folder / "policies", _LESSONS, seed, steps) as classroom:
         crawl = simulate(Groups(), repeat(_BEST_WORD, 40)[0], _HOLD, samples_per_hold=20)
         save_figure(crawl.plot(), folder / "trajectory.png")
         console.print(f"trajectory: {crawl.foot[-1]:.1f} z_c in {crawl.time[-1]:.0f} t_c with {crawl.slips} slips")
