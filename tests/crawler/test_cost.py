@@ -296,3 +296,21 @@ def test_a_solver_that_would_spend_the_budget_is_taken_only_where_no_other_is_le
     steps = {name: 10.0 * predicted_steps(name, groups, Scene(), 10.0, 1e-2) for name in ("taylor", "radau")}
     assert steps["taylor"] > STEPS_A_HOLD > 20.0 * steps["radau"]
     assert choose(AUTO, groups, Scene(), 10.0, 1e-2).name == "radau"
+
+
+@pytest.mark.parametrize(
+    ("groups", "scene", "hold", "tolerance", "expected"),
+    [
+        # Radau would take a third of a hold's budget, and twice that at the worst.
+        (Groups(duffing=2000.0, damping_ratio=0.01, deborah=2e-5), Scene(), 400.0, 1e-2, "radau"),
+        # It would take nine tenths, and so might spend it all as well.
+        (Groups(duffing=300.0, damping_ratio=0.0, deborah=2.0), Scene(anchored=True), 700.0, 1e-2, "taylor"),
+    ],
+)
+def test_rather_dear_than_not_finished_where_another_surely_finishes(groups, scene, hold, tolerance, expected):
+    case = groups, scene, hold, tolerance
+    steps = {name: hold * predicted_steps(name, *case) for name in ("taylor", "radau")}
+    assert predicted_cost("taylor", *case) < predicted_cost("radau", *case)
+    assert steps["taylor"] > STEPS_A_HOLD > steps["radau"]
+    assert (2.0 * steps["radau"] < STEPS_A_HOLD) == (expected == "radau")
+    assert choose(AUTO, *case).name == expected

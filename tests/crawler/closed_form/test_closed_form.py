@@ -279,6 +279,8 @@ def test_the_model_is_named():
     assert simulate(Groups(), [1], 1.0).model == "on the ground, taylor"
     mixed = simulate([LINEAR, Groups()], [1], 1.0)
     assert mixed.model == "on the ground, closed form; on the ground, taylor"
+    all_three = simulate([Groups(damping_ratio=1e4), Groups(), LINEAR, Groups()], [1], 1.0).model
+    assert all_three == "on the ground, closed form; on the ground, radau; on the ground, taylor"
     assert mixed.foot[0] == simulate(LINEAR, [1], 1.0, solver="closed_form").foot
 
 
