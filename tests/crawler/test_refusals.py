@@ -36,6 +36,15 @@ REFUSED = [
     ],
     ("tolerance", {"tolerance": "fine"}, TypeError, r"\[1e-15, 1e-2\], got 'fine'"),
     ("solver", {"solver": "rk4"}, ValueError, r"'auto', 'closed_form', 'taylor', 'radau'.*got 'rk4'"),
+    *[
+        (
+            "solver",
+            {"solver": solver, "scene": {"segments": 2, "tube_mass": 0.5}},
+            ValueError,
+            rf"^solver must be one of \['auto', 'taylor'\] for a chain of heavy segments, got '{solver}'$",
+        )
+        for solver in ("radau", "closed_form")
+    ],
     ("solver", {"solver": None}, ValueError, r"'auto', 'closed_form', 'taylor', 'radau'.*got None"),
     *[("samples_per_hold", {"samples_per_hold": bad}, ValueError, r">= 1, got ") for bad in (0, -3)],
     *[("samples_per_hold", {"samples_per_hold": bad}, TypeError, r">= 1, got ") for bad in (True, 1.0, "2", None)],
