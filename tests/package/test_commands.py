@@ -422,6 +422,7 @@ def test_what_is_compiled_ahead_is_every_order_of_every_kind():
             for kind in ("simulate", "environment", "batch", "batch without memory")
             for body in bodies
         ),
+        *(f"simulate, a batch by Taylor series of order {order}" for order in orders),
         "simulate, chain of segments",
         "recursive least squares",
         "memory reward",
@@ -447,7 +448,7 @@ def test_what_is_compiled_ahead_is_used_as_its_name_says(monkeypatch):
         def close(self):
             made.append("closed")
 
-    monkeypatch.setattr(ahead, "simulate", lambda groups, *_, **named: made.append((groups, named)))
+    monkeypatch.setattr(ahead, "simulate", lambda groups, valve, _, **named: made.append((groups, valve, named)))
     monkeypatch.setattr(ahead, "StickSlipCrawlerEnv", Environment)
     monkeypatch.setattr(ahead.gym, "make_vec", lambda name, count, **settings: Environment(name=name, **settings))
     for name, use in ahead.uses():
@@ -456,13 +457,15 @@ def test_what_is_compiled_ahead_is_used_as_its_name_says(monkeypatch):
         if kind not in KINDS:
             continue
         use()
+        rows, body = (2 if body.startswith("a batch by ") else 1), body.removeprefix("a batch by ")
         order = int(body.rpartition(" ")[2]) if body.startswith("Taylor") else None
         if body == "chain of segments":
-            (((groups, named)),) = made
+            ((groups, _, named),) = made
             assert (groups, named["scene"].segments > 1, named["scene"].tube_mass > 0) == (Groups(), True, True)
             continue
         if kind == "simulate":
-            ((groups, named),) = made
+            ((groups, valve, named),) = made
+            assert len(np.atleast_2d(valve)) == rows
             solver, tolerance = named["solver"], named["tolerance"]
             assert solver == {"T": "taylor", "c": "closed_form", "R": "radau"}[body[0]]
         else:
