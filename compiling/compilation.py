@@ -12,7 +12,7 @@ from numba.extending import register_jitable
 
 from .kernel_cache import KernelCache
 
-__all__ = ["OPTIONS", "Kernel", "allocating", "compiled", "formula", "merged"]
+__all__ = ["INLINED", "OPTIONS", "Kernel", "allocating", "compiled", "formula", "inlined", "merged"]
 
 if vars(config)["DISABLE_JIT"]:
     raise ImportError("stickslip's kernels run compiled only, got NUMBA_DISABLE_JIT=1: unset it")
@@ -20,6 +20,7 @@ if vars(config)["DISABLE_JIT"]:
 # Without numba's memory management: counting who refers to a row of an array costs as much as the work on it, and no
 # kernel outlives its arrays.
 OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False}
+INLINED: Any = OPTIONS | {"forceinline": True}
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -82,6 +83,23 @@ def formula(expression: Function) -> Function:
     callable
     """
     return register_jitable(**OPTIONS)(expression)
+
+
+def inlined(function: Function) -> Function:
+    """Let compiled code call a function that becomes a part of the machine code of each that calls it.
+
+    The numbers of its arguments, and there are many in a tuple of tuples, then stay in their registers.
+
+    Parameters
+    ----------
+    function : callable
+
+    Returns
+    -------
+    callable
+        The same, an ordinary function.
+    """
+    return register_jitable(**INLINED)(function)
 
 
 class Kernel(CPUDispatcher):

@@ -4,14 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.validation import finite_array
+from .drive import drive
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Body, ChainState
 from .model.tube import is_chain, node_masses
 from .motion.balance import Store, store_between
-from .motion.chain_loop import drive_chain
-from .steps.chain_series import chain_of, chain_order, series_for
-from .steps.options import LOG_FULL, Options, Outcome, Taylor20
+from .motion.sampling import BODY_ROWS
+from .steps.chain_series import chain_coefficients, chain_order, chain_workspace
+from .steps.options import LOG_FULL, Options, Outcome, TaylorChain
 
 __all__ = ["run_chain", "stretches_of"]
 
@@ -61,17 +62,18 @@ def run_chain(
         Times and new motions.
     stored : Store
     """
-    chain, series = chain_of(groups, scene), series_for(scene.segments)
-    # Compiled once: a chain is expanded in loops, whatever the method.
-    options = options._replace(order=chain_order(options.order), method=Taylor20())
+    coefficients = chain_coefficients(groups, scene)
+    options = options._replace(order=chain_order(options.order), method=TaylorChain())
+    rows = np.empty((BODY_ROWS + 2 * scene.segments, samples.shape[1]))
     capacity = 64 + 4 * len(schedule)
     while True:
-        events, moved = np.empty((capacity, 2)), stretches.copy()
-        outcome, finished = drive_chain(
-            body, moved, chain, schedule, hold, options, samples, segment_samples, events, series
-        )
+        events, workspace = np.empty((capacity, 2)), chain_workspace(groups, scene, stretches)
+        outcome, finished = drive(body, coefficients, schedule, hold, options, rows, events, workspace)
         if outcome.status != LOG_FULL:
-            before, after = _stored(body, stretches, groups, scene), _stored(outcome.body, moved, groups, scene)
+            samples[:] = rows[:BODY_ROWS]
+            segment_samples[:] = rows[BODY_ROWS:].reshape(segment_samples.shape)
+            before = _stored(body, stretches, groups, scene)
+            after = _stored(outcome.body, workspace.stretches, groups, scene)
             return outcome, finished, events[: outcome.logged], store_between(before, after)
         capacity *= 2
 

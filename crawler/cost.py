@@ -25,7 +25,7 @@ from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Coefficients, coefficients_of, FORWARD, STUCK
 from .model.tube import as_crawler
-from .motion.loop import FARTHEST
+from .motion.sampling import FARTHEST
 from .steps.options import STEPS_A_HOLD
 from .steps.radau import stages_for
 from .steps.taylor import order_for

@@ -1,59 +1,18 @@
-"""A crawler through its schedule, whichever way a hold is advanced."""
+"""A body through its schedule, whatever makes its steps."""
 
-import math
 from typing import Any
 
 import numpy as np
-from numba.extending import overload
 from numpy.typing import NDArray
 
-from ..compiling.compilation import compiled, OPTIONS
-from .closed_form.loop import advance_linear
-from .model.state import Body, Coefficients, Ledger
-from .motion.loop import advance
+from ..compiling.compilation import compiled
+from .loop import advance
+from .model.state import Body, Coefficients
 from .motion.progress import keep, opening_of, outcome_of, run_through, steps_of_a_call, stretch_at, stretch_of
-from .steps.options import AFRESH, ClosedForm, FINISHED, Leg, method_of, Options, Outcome, PAUSED, SAMPLES_A_STEP
+from .motion.sampling import BODY_ROWS
+from .steps.options import AFRESH, FINISHED, Leg, Options, Outcome, PAUSED, Recording, SAMPLES_A_STEP
 
-__all__ = ["advance_by_method", "drive"]
-
-
-def advance_by_method(
-    body: Body,
-    ledger: Ledger,
-    coefficients: Coefficients,
-    valve: float,
-    hold: float,
-    options: Options,
-    start: float,
-    samples: NDArray[np.float64],
-    events: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    begin: float = 0.0,
-    end: float = math.inf,
-    leg: Leg | None = None,
-) -> Outcome:
-    """A hold or a part of one by the method of the options, in compiled code alone: see `advance`, `advance_linear`."""
-    raise NotImplementedError
-
-
-@overload(advance_by_method, jit_options=OPTIONS)
-def _compiled_advance(
-    body: Body,
-    ledger: Ledger,
-    coefficients: Coefficients,
-    valve: float,
-    hold: float,
-    options: Options,
-    start: float,
-    samples: NDArray[np.float64],
-    events: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    begin: float = 0.0,
-    end: float = math.inf,
-    leg: Leg | None = None,
-) -> Any:
-    kernel: Any = advance_linear if method_of(options) is ClosedForm else advance
-    return kernel.py_func
+__all__ = ["drive"]
 
 
 def drive(
@@ -64,9 +23,9 @@ def drive(
     options: Options,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
-    workspace: NDArray[np.float64],
+    workspace: Any,
 ) -> tuple[Outcome, int]:
-    """Advance one crawler through its schedule.
+    """Advance one body through its schedule.
 
     Parameters
     ----------
@@ -78,10 +37,10 @@ def drive(
     options : Options
         Its step budget is that of the whole run.
     samples : (5, holds * samples_per_hold) array
-        Receives z, v, p, x, w.
+        Receives z, v, p, x, w; of a chain (5 + 2 N, holds * samples_per_hold), see `chain_parts`.
     events : (capacity, 2) array
         Receives times and new motions.
-    workspace : array
+    workspace : array or tuple of arrays
         What `advance` works on.
 
     Returns
@@ -91,7 +50,9 @@ def drive(
     finished : int
         Holds completed.
     """
-    return run_through(_drive_on, body, coefficients, schedule, hold, options, samples, events, workspace)
+    # A step takes as long as there are segments.
+    weight = max(1, (len(samples) - BODY_ROWS) // 2)
+    return run_through(_drive_on, weight, body, coefficients, schedule, hold, options, samples, events, workspace)
 
 
 @compiled
@@ -103,7 +64,7 @@ def _drive_on(
     options: Options,
     samples: NDArray[np.float64],
     events: NDArray[np.float64],
-    workspace: NDArray[np.float64],
+    workspace: Any,
 ) -> None:
     """Go on with the run that `state` tells of, see `run_through`."""
     so_far = outcome_of(state)
@@ -114,8 +75,8 @@ def _drive_on(
     # Every hold is a stretch of the open valve and one of the shut; most often one of the two is empty.
     for stretch in range(stretch_of(state), 2 * len(schedule)):
         k = stretch // 2
-        valve, begin, end = stretch_at(stretch, schedule, hold)
-        if not begin < end:
+        part = stretch_at(stretch, schedule, hold)
+        if not part.begin < part.end:
             continue
         if until_pause <= 0:
             keep(state, Outcome(PAUSED, elapsed, steps, logged, body, ledger, pace), stretch, opening)
@@ -129,20 +90,15 @@ def _drive_on(
             options.tangents,
             options.method,
         )
-        outcome = advance_by_method(
+        outcome = advance(
             body,
             ledger,
             coefficients,
-            valve,
-            hold,
+            part,
             left,
-            k * hold,
-            samples[:, k * each : (k + 1) * each],
-            events[logged:],
+            Recording(samples[:, k * each : (k + 1) * each], events[logged:]),
             workspace,
-            begin,
-            end,
-            Leg(opening, max(begin, elapsed), pace, until_pause),
+            Leg(opening, max(part.begin, elapsed), pace, until_pause),
         )
         body = outcome.body
         ledger = outcome.ledger

@@ -6,7 +6,7 @@ from .cost import fastest_rate, FastestRate
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.tube import is_chain
-from .motion.loop import FARTHEST
+from .motion.sampling import FARTHEST
 from .steps.options import DIVERGED
 
 __all__ = ["SolverError", "solver_error"]

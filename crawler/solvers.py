@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .closed_form.loop import is_linear, require_linear
+from .closed_form.parts import is_linear, require_linear
 from .cost import cheapest_of_each, PREDICTED
 from .model.columns import coefficients_of_each, different, units_of
 from .model.groups import Groups

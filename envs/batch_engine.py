@@ -16,7 +16,7 @@ from ..compiling.generators import whereabouts
 from ..compiling.vectors import aligned_zeros, LANES
 from ..crawler import Groups, Scene
 from ..crawler.batch.advance import lane_workspace
-from ..crawler.closed_form.loop import is_linear
+from ..crawler.closed_form.parts import is_linear
 from ..crawler.model.state import Body, SLIPS
 from ..crawler.refusals import solver_error, SolverError
 from ..crawler.solvers import SOLVERS

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from ..compiling.compilation import compiled, merged
 from ..compiling.generators import next_uniform
-from ..crawler.drive import advance_by_method
+from ..crawler.loop import advance
 from ..crawler.model.groups import Groups
 from ..crawler.model.scene import Scene
 from ..crawler.model.state import Body, Coefficients, coefficients_of, FOOT, NOTHING_YET, SLIPS, State
 from ..crawler.refusals import solver_error
 from ..crawler.solvers import AUTO, choose
-from ..crawler.steps.options import FINISHED, MAX_STEPS, Method, METHODS, Options
+from ..crawler.steps.options import FINISHED, Hold, MAX_STEPS, Method, METHODS, Options, Recording
 from ..reservoir.prequential import score
 from .calibration import calibration_valves
 from .infos import place_of, TOLD, write_told
@@ -179,16 +179,13 @@ def _step(
         fixed[9] != 0.0,
         fixed[10] != 0.0,
     )
-    outcome = advance_by_method(
+    outcome = advance(
         Body(body[0], body[1], body[2], body[3], body[4], int(body[5]), int(body[6])),
         NOTHING_YET,
         coefficients,
-        float(valve),
-        hold,
+        Hold(float(valve), hold, 0.0, hold, 0.0),
         Options(fixed[_TOLERANCE], int(fixed[_ORDER]), int(fixed[_MAX_STEPS]), False, False, False, method),
-        0.0,
-        samples,
-        workspace[:0],
+        Recording(samples, workspace[:0]),
         workspace,
     )
     after = outcome.body

@@ -1,4 +1,4 @@
-"""Many crawlers, one hold of their valves each: the batched counterpart of `advance_by_method`.
+"""Many crawlers, one hold of their valves each: the batched counterpart of `advance`.
 
 By Taylor series crawlers advance in lanes of vector arithmetic. A lane whose crawler has reached the end of its hold
 takes the next crawler at once, so that none waits for a neighbour that takes more steps. A step on which something
@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from ...compiling.compilation import allocating, compiled, OPTIONS
 from ...compiling.vectors import aligned_zeros, LANES
 from ..closed_form.affine_lanes import advance_anchored_lanes
-from ..drive import advance_by_method
+from ..loop import advance
 from ..model.columns import body_of, coefficients_at, write_body
 from ..model.state import Body, NOTHING_YET
-from ..motion.loop import moment_of
-from ..steps.options import ClosedForm, DIVERGED, FINISHED, is_taylor, method_of, Options, OUT_OF_STEPS
+from ..motion.sampling import moment_of
+from ..steps.options import ClosedForm, DIVERGED, FINISHED, Hold, is_taylor, method_of, Options, OUT_OF_STEPS, Recording
 from ..steps.workspace import ROWS, WIDTH
 from .alone import load_crawler, step_alone, turn_valve
 from .step import (
@@ -176,16 +176,13 @@ def one_by_one(
     for i in range(begin, end):
         if skip[i]:
             continue
-        outcome = advance_by_method(
+        outcome = advance(
             body_of(bodies, i),
             NOTHING_YET,
             coefficients_at(columns, i),
-            float(valves[i]),
-            hold,
+            Hold(float(valves[i]), hold, 0.0, hold, 0.0),
             options,
-            0.0,
-            own,
-            own[:0],  # no events are kept
+            Recording(own, own[:0]),  # no events are kept
             workspace[i if len(workspace) > 1 else 0],
         )
         write_body(outcome.body, bodies, i)

@@ -8,7 +8,7 @@ from ..model.columns import body_of, coefficients_at, write_body
 from ..model.equations import pressure_after
 from ..model.state import Body, Coefficients
 from ..motion.events import jump, next_event
-from ..motion.loop import end_of_step, is_near
+from ..motion.sampling import end_of_step, is_near
 from ..steps.options import DIVERGED, FINISHED, Options
 from ..steps.taylor import state_at, trusted
 from ..steps.workspace import FORCE, LENGTH, STEP, V, Z

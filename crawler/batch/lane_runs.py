@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...compiling.compilation import compiled
 from ...compiling.vectors import LANES
 from ..model.state import Body, Ledger
-from ..motion.loop import moment_of
+from ..motion.sampling import moment_of
 from ..motion.progress import stretch_at
 from ..steps.options import DIVERGED, FINISHED, Options, OUT_OF_STEPS, SAMPLES_A_STEP
 from .alone import load_crawler, step_alone, turn_valve
@@ -186,8 +186,8 @@ def _go_on(
             if stretch // 2 > places[STRETCH, lane] // 2:
                 lanes[SAMPLING, DONE, lane] = 0.0
             places[STRETCH, lane] = stretch
-            valve, begin, end = stretch_at(stretch, schedule[places[PLACE, lane]], runs.holds[i])
-            turn_valve(valve, begin, end, lanes, lane)
+            part = stretch_at(stretch, schedule[places[PLACE, lane]], runs.holds[i])
+            turn_valve(part.valve, part.begin, part.end, lanes, lane)
             reached = False
     if not reached and status == FINISHED:
         if not spent:
@@ -225,16 +225,16 @@ def _enter(
         lanes[LEDGER, row, lane] = 0.0
     stretch = _next_stretch(0, schedule[place], runs.holds[i])
     places[PLACE, lane], places[STRETCH, lane], places[STEPS, lane] = place, stretch, 0
-    valve, begin, end = stretch_at(stretch, schedule[place], runs.holds[i])
-    turn_valve(valve, begin, end, lanes, lane)
+    part = stretch_at(stretch, schedule[place], runs.holds[i])
+    turn_valve(part.valve, part.begin, part.end, lanes, lane)
 
 
 @compiled
 def _next_stretch(stretch: int, schedule: NDArray[np.float64], hold: float) -> int:
     """The first stretch of the valve from `stretch` on that is not empty; past the last if there is none."""
     for other in range(stretch, 2 * len(schedule)):
-        _, begin, end = stretch_at(other, schedule, hold)
-        if begin < end:
+        part = stretch_at(other, schedule, hold)
+        if part.begin < part.end:
             return other
     return 2 * len(schedule)
 

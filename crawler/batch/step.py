@@ -14,7 +14,7 @@ from ..model.equations import moved, pressure_after
 from ..model.state import Body, Coefficients, Ledger
 from ..motion.energy import posted
 from ..motion.events import is_quiet
-from ..motion.loop import is_near, moment_of
+from ..motion.sampling import is_near, moment_of
 from ..steps.taylor import is_sound, step_inputs
 from ..steps.taylor_series import energy_nodes, step, value
 from ..steps.workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, WIDTH, Z

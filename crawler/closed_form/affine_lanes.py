@@ -7,7 +7,7 @@ from ...compiling.compilation import compiled
 from ...compiling.vectors import broadcast, flush_to_zero, load, store
 from ..model.equations import acceleration_at_no_force
 from ..model.state import Coefficients, STUCK
-from ..motion.loop import FARTHEST
+from ..motion.sampling import FARTHEST
 from ..steps.options import DIVERGED, FINISHED
 from ..steps.propagator import rates_of
 from .search import FAINTEST
@@ -27,7 +27,7 @@ def advance_anchored_lanes(
     statuses: NDArray[np.int8],
     elapsed: NDArray[np.float64],
 ) -> None:
-    """Advance the crawlers in columns `first` to `first + 7` by one hold, as `advance_linear` does.
+    """Advance the crawlers in columns `first` to `first + 7` by one hold, as `advance` does.
 
     Parameters
     ----------

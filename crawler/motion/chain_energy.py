@@ -5,7 +5,7 @@ import numpy as np
 from ...compiling.compilation import compiled
 from ...compiling.roots import horner, LARGEST_DEGREE
 from ..model.state import Body, Coefficients, Ledger
-from ..steps.chain_series import ChainSeries, stretches_at
+from ..steps.chain_series import ChainWorkspace, stretches_at
 from ..steps.workspace import P
 from .energy import posted
 
@@ -28,7 +28,7 @@ def account_chain(
     coefficients: Coefficients,
     order: int,
     length: float,
-    series: ChainSeries,
+    series: ChainWorkspace,
 ) -> Ledger:
     """Add one step's energies, each segment's share being a crawler's over N; overwrites `series.ahead`."""
     nodes = order // 2 + 2

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled, formula
 from ..model.state import Body, Ledger
-from ..steps.options import Outcome, Pace, PAUSED
+from ..steps.options import Hold, Outcome, Pace, PAUSED
 
 __all__ = ["keep", "opening_of", "outcome_of", "run_through", "steps_of_a_call", "stretch_at", "stretch_of"]
 
@@ -23,7 +23,7 @@ PAUSE_AFTER = 20_000
 _BODY, _LEDGER, _PACE, _OPENING, _STRETCH, _CALL, _SIZE = 4, 11, 15, 19, 26, 27, 28
 
 
-def run_through(kernel: Callable[..., None], body: Body, *arguments: Any) -> tuple[Outcome, int]:
+def run_through(kernel: Callable[..., None], weight: int, body: Body, *arguments: Any) -> tuple[Outcome, int]:
     """Call a kernel until its run has ended.
 
     Parameters
@@ -31,6 +31,8 @@ def run_through(kernel: Callable[..., None], body: Body, *arguments: Any) -> tup
     kernel : callable
         Takes the state of the run, an array that `keep` writes, and the `arguments`; it goes on with the run until
         that has ended or has taken the steps of one call.
+    weight : int
+        How many times as long as a crawler's step one takes.
     body : Body
         At the start.
     *arguments
@@ -45,7 +47,7 @@ def run_through(kernel: Callable[..., None], body: Body, *arguments: Any) -> tup
     """
     state = np.zeros(_SIZE)
     state[0] = PAUSED
-    state[_CALL] = PAUSE_AFTER
+    state[_CALL] = max(1, PAUSE_AFTER // weight)
     state[_BODY : _BODY + len(body)] = state[_OPENING : _OPENING + len(body)] = body
     while state[0] == PAUSED:
         kernel(state, *arguments)
@@ -116,9 +118,10 @@ def steps_of_a_call(state: Any) -> int:
 
 
 @compiled
-def stretch_at(stretch: int, schedule: NDArray[np.float64], hold: float) -> tuple[float, float, float]:
-    """State of the valve in a stretch, and the times into its hold between which it lies."""
-    opened = schedule[stretch // 2] * hold
+def stretch_at(stretch: int, schedule: NDArray[np.float64], hold: float) -> Hold:
+    """The part of a hold that a stretch is."""
+    k = stretch // 2
+    opened = schedule[k] * hold
     if stretch % 2 == 0:
-        return 1.0, 0.0, opened
-    return 0.0, opened, hold
+        return Hold(1.0, hold, 0.0, opened, k * hold)
+    return Hold(0.0, hold, opened, hold, k * hold)

@@ -16,26 +16,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled
+from ...compiling.compilation import compiled, inlined
 from ...compiling.roots import horner, LARGEST_DEGREE
-from ..model.equations import is_free
+from ..model.equations import force, force_terms, is_free, pressure_after
 from ..model.groups import Groups
 from ..model.scene import Scene
 from ..model.state import Body, Coefficients, coefficients_of, STUCK
 from ..model.tube import node_masses
+from .options import AFRESH, Options, Pace, Situation
+from .taylor import ROUNDING, SHORTENINGS, TRUST
 from .workspace import FORCE, P, ROWS, V, WIDTH, Z
 
 __all__ = [
-    "Chain",
-    "ChainSeries",
-    "chain_of",
+    "ChainWorkspace",
+    "chain_coefficients",
     "chain_order",
-    "expand_chain",
+    "chain_step",
+    "chain_workspace",
     "foot_at",
-    "longest_step",
-    "pulls_at",
-    "segment_mobility",
-    "series_for",
     "stretches_at",
 ]
 
@@ -61,16 +59,11 @@ _SQUARE, _STIFFNESS, _SEGMENT_ROWS = FORCE + 1, FORCE + 2, FORCE + 3
 _RECIPROCAL = np.array([0.0] + [1.0 / n for n in range(1, WIDTH + 1)])
 
 
-class Chain(NamedTuple):
-    """Coefficients of one chain's equations of motion."""
+class ChainWorkspace(NamedTuple):
+    """What the steps of a chain work on; of all segments Taylor coefficients with the segment's index fastest."""
 
-    coefficients: Coefficients  # of a segment in D, with the masses at the two ends for those of foot and payload
-    mobility: NDArray[np.float64]  # 1 / m_j of the nodes, from foot to payload
-
-
-class ChainSeries(NamedTuple):
-    """Workspace: Taylor coefficients of all segments, segment index fastest, and of what touches the ground."""
-
+    mobility: NDArray[np.float64]  # (N + 1,): 1 / m_j of the nodes, from foot to payload
+    stretches: NDArray[np.float64]  # (2, N): D and D' of the segments at the start of the step, foot first
     segments: NDArray[np.float64]  # (_SEGMENT_ROWS, WIDTH, N): D, D', F, D^2 and -(secant stiffness)
     rear: NDArray[np.float64]  # (ROWS, WIDTH): the segment behind, as the crawler's; its p is every segment's
     foot_velocity: NDArray[np.float64]  # (WIDTH,)
@@ -79,11 +72,10 @@ class ChainSeries(NamedTuple):
     acceleration: NDArray[np.float64]  # (N + 1,): of the nodes, one order at a time
 
 
-def chain_of(groups: Groups, scene: Scene) -> Chain:
-    """Coefficients of the chain's equations of motion, from `groups` and `scene`."""
+def chain_coefficients(groups: Groups, scene: Scene) -> Coefficients:
+    """Coefficients of a segment in D, with the masses at the two ends of the chain for those of foot and payload."""
     masses = node_masses(groups, scene)
-    ends = coefficients_of(groups, scene)._replace(foot_fraction=float(masses[0]), payload_fraction=float(masses[-1]))
-    return Chain(ends, 1.0 / masses)
+    return coefficients_of(groups, scene)._replace(foot_fraction=float(masses[0]), payload_fraction=float(masses[-1]))
 
 
 def chain_order(order: int) -> int:
@@ -91,9 +83,12 @@ def chain_order(order: int) -> int:
     return next((better for better in _ORDERS if better >= order), _ORDERS[-1])
 
 
-def series_for(segments: int) -> ChainSeries:
-    """Workspace for a chain of so many segments."""
-    return ChainSeries(
+def chain_workspace(groups: Groups, scene: Scene, stretches: NDArray[np.float64]) -> ChainWorkspace:
+    """Workspace for a chain that begins with those stretches."""
+    segments = scene.segments
+    return ChainWorkspace(
+        1.0 / node_masses(groups, scene),
+        stretches.copy(),
         np.empty((_SEGMENT_ROWS, WIDTH, segments)),
         np.empty((ROWS, WIDTH)),
         np.empty(WIDTH),
@@ -103,36 +98,48 @@ def series_for(segments: int) -> ChainSeries:
     )
 
 
+@inlined
+def chain_step(now: Situation, _pace: Pace) -> tuple[float, Body, Pace]:
+    """The longest step that the series of all segments allow; parameters and returns as for `taylor_step`.
+
+    The state at its end is left to be found once an event has not ended it earlier: the body is that of its start.
+    """
+    body, coefficients, options = now.body, now.coefficients, now.options
+    expand_chain(body, coefficients, now.hold.valve, options.order, now.workspace)
+    length = longest_step(coefficients, body.mode, options.order, options.tolerance, now.workspace)
+    if not length > 0.0:
+        return np.nan, body, AFRESH
+    length = min(length, now.hold.end - now.elapsed)
+    return _trusted_length(body, coefficients, now.hold.valve, options, length, now.workspace), body, AFRESH
+
+
 @compiled
-def expand_chain(
-    stretches: NDArray[np.float64], body: Body, chain: Chain, valve: float, order: int, series: ChainSeries
-) -> None:
+def expand_chain(body: Body, coefficients: Coefficients, valve: float, order: int, series: ChainWorkspace) -> None:
     """Fill `series` with Taylor coefficients about the present instant.
 
     Parameters
     ----------
-    stretches : (2, N) array
-        D and D'.
     body : Body
-        Of which pressure, foot velocity and motion count.
-    chain : Chain
+        Of which pressure, foot velocity and motion count; the segments' stretches are the workspace's.
+    coefficients : Coefficients
     valve : float
         The valve while the series holds, 0 or 1.
     order : int
         Last coefficient of the forces; D, D' and the foot's velocity get one more.
-    series : ChainSeries
+    series : ChainWorkspace
         Written in place.
     """
+    stretches = series.stretches
     segments = stretches.shape[1]
-    duffing, damping = chain.coefficients.duffing, chain.coefficients.damping
+    duffing, damping = coefficients.duffing, coefficients.damping
     z, v = series.segments[Z], series.segments[V]
-    square, force, stiffness = series.segments[_SQUARE], series.segments[FORCE], series.segments[_STIFFNESS]
+    square, pull, stiffness = series.segments[_SQUARE], series.segments[FORCE], series.segments[_STIFFNESS]
     pressure = series.rear[P]
 
     term = body.pressure - valve
     pressure[0] = body.pressure
     for n in range(1, order + 1):
-        term *= -chain.coefficients.lag_rate * _RECIPROCAL[n]
+        term *= -coefficients.lag_rate * _RECIPROCAL[n]
         pressure[n] = term
 
     for j in range(segments):
@@ -150,14 +157,14 @@ def expand_chain(
         if n % 2 == 0:
             for j in range(segments):
                 square[n, j] += z[n // 2, j] * z[n // 2, j]
-        softening = chain.coefficients.radial_coupling * pressure[n] - (1.0 if n == 0 else 0.0)
+        softening = coefficients.radial_coupling * pressure[n] - (1.0 if n == 0 else 0.0)
         for j in range(segments):
             stiffness[n, j] = softening - duffing * square[n, j]
-            force[n, j] = pressure[n] - damping * v[n, j]
+            pull[n, j] = pressure[n] - damping * v[n, j]
         for i in range(n + 1):
             for j in range(segments):
-                force[n, j] += stiffness[i, j] * z[n - i, j]
-        _accelerate(force[n], body.mode, chain, n == 0, series.acceleration)
+                pull[n, j] += stiffness[i, j] * z[n - i, j]
+        _accelerate(pull[n], body.mode, coefficients, n == 0, series)
         series.foot_velocity[n + 1] = series.acceleration[0] * _RECIPROCAL[n + 1]
         scale = segments * _RECIPROCAL[n + 1]
         for j in range(segments):
@@ -168,52 +175,54 @@ def expand_chain(
         series.rear[Z, n] = z[n, 0]
         series.rear[V, n] = v[n, 0]
     for n in range(order + 1):
-        series.rear[FORCE, n] = force[n, 0]
+        series.rear[FORCE, n] = pull[n, 0]
 
 
 @compiled
 def _accelerate(
-    force: NDArray[np.float64], mode: int, chain: Chain, leading: bool, acceleration: NDArray[np.float64]
+    force: NDArray[np.float64], mode: int, coefficients: Coefficients, leading: bool, series: ChainWorkspace
 ) -> None:
     """One order of the nodes' accelerations from that of the forces; weight and drag are constant, of order 0."""
+    acceleration, mobility = series.acceleration, series.mobility
     segments = len(force)
-    weight = chain.coefficients.slope if leading else 0.0
+    weight = coefficients.slope if leading else 0.0
     for j in range(1, segments):
-        acceleration[j] = (force[j - 1] - force[j]) * chain.mobility[j] - weight
-    acceleration[segments] = force[segments - 1] * chain.mobility[segments] - weight
+        acceleration[j] = (force[j - 1] - force[j]) * mobility[j] - weight
+    acceleration[segments] = force[segments - 1] * mobility[segments] - weight
     acceleration[0] = 0.0
     if mode != STUCK:
-        drag = mode * chain.coefficients.kinetic_friction if leading else 0.0
-        acceleration[0] = -(force[0] + drag) * chain.mobility[0] - weight
+        drag = mode * coefficients.kinetic_friction if leading else 0.0
+        acceleration[0] = -(force[0] + drag) * mobility[0] - weight
 
 
 @compiled
-def segment_mobility(chain: Chain, mode: int, j: int) -> float:
+def segment_mobility(mode: int, j: int, series: ChainWorkspace) -> float:
     """Rate D_j'' per force of segment j alone, from N at its rear and front ends."""
-    segments = len(chain.mobility) - 1
-    rear = 0.0 if j == 0 and mode == STUCK else chain.mobility[j]
-    return segments * (rear + chain.mobility[j + 1])
+    mobility = series.mobility
+    segments = len(mobility) - 1
+    rear = 0.0 if j == 0 and mode == STUCK else mobility[j]
+    return segments * (rear + mobility[j + 1])
 
 
 @compiled
-def longest_step(chain: Chain, mode: int, order: int, tolerance: float, series: ChainSeries) -> float:
+def longest_step(coefficients: Coefficients, mode: int, order: int, tolerance: float, series: ChainWorkspace) -> float:
     """Longest step on which the last two terms of every D'' stay below `tolerance`, and no faint motion grows.
 
     A uniform stretch is then followed as well as the crawler's, and every force to the same accuracy.
     """
-    segments = len(chain.mobility) - 1
+    segments = len(series.mobility) - 1
     mobility = 0.0
     for j in range(segments):
-        mobility = max(mobility, segment_mobility(chain, mode, j))
+        mobility = max(mobility, segment_mobility(mode, j, series))
     # Gershgorin: D'' + B (2 Pi2 D' + D) = 0 with no eigenvalue of B beyond twice its diagonal. Those beyond 1 / Pi2^2
     # are overdamped.
     stiffest = 2.0 * mobility
     fastest = math.sqrt(stiffest)
     length = _STABLE_SWING[order] / fastest
-    resistance = 0.5 * chain.coefficients.damping * stiffest
+    resistance = 0.5 * coefficients.damping * stiffest
     if resistance > fastest:
         decay = resistance + math.sqrt(resistance * resistance - stiffest)
-        length = min(_STABLE_SWING[order] * 0.5 * chain.coefficients.damping, _STABLE_DECAY[order] / decay)
+        length = min(_STABLE_SWING[order] * 0.5 * coefficients.damping, _STABLE_DECAY[order] / decay)
     for n in range(order - 1, order + 1):
         last = 0.0
         for j in range(segments):
@@ -227,7 +236,36 @@ def longest_step(chain: Chain, mode: int, order: int, tolerance: float, series: 
 
 
 @compiled
-def stretches_at(order: int, t: float, series: ChainSeries) -> None:
+def _trusted_length(
+    body: Body, coefficients: Coefficients, valve: float, options: Options, length: float, series: ChainWorkspace
+) -> float:
+    """The part of a step at whose end every segment's series still satisfies the equation of motion.
+
+    As in `taylor_step`: the defect is the force at the state less the force's own series.
+    """
+    order = options.order
+    for _ in range(SHORTENINGS):
+        stretches_at(order, length, series)
+        pulls_at(order, length, series)
+        pressure = pressure_after(body, coefficients, valve, length)
+        worst = 0.0
+        for j in range(series.ahead.shape[1]):
+            z = series.ahead[0, j]
+            v = series.ahead[1, j]
+            defect = abs(force(coefficients, z, v, pressure) - series.pulls[j])
+            rounding = ROUNDING * force_terms(coefficients, z, v)
+            mobility = segment_mobility(body.mode, j, series)
+            if mobility * (defect - rounding) > TRUST * options.tolerance:
+                worst = max(worst, mobility * defect)
+        if worst == 0.0:
+            break
+        shrink = math.exp(math.log(options.tolerance / worst) / (order + 1))
+        length *= max(0.25, min(0.9, shrink))
+    return length
+
+
+@compiled
+def stretches_at(order: int, t: float, series: ChainWorkspace) -> None:
     """Write D and D' a time `t` into the step to `series.ahead`."""
     segments = series.ahead.shape[1]
     for row in (Z, V):
@@ -240,7 +278,7 @@ def stretches_at(order: int, t: float, series: ChainSeries) -> None:
 
 
 @compiled
-def pulls_at(order: int, t: float, series: ChainSeries) -> None:
+def pulls_at(order: int, t: float, series: ChainWorkspace) -> None:
     """Write the forces that their own series give a time `t` into the step to `series.pulls`."""
     segments = len(series.pulls)
     for j in range(segments):
@@ -251,7 +289,9 @@ def pulls_at(order: int, t: float, series: ChainSeries) -> None:
 
 
 @compiled
-def foot_at(body: Body, coefficients: Coefficients, order: int, t: float, series: ChainSeries) -> tuple[float, float]:
+def foot_at(
+    body: Body, coefficients: Coefficients, order: int, t: float, series: ChainWorkspace
+) -> tuple[float, float]:
     """Position and velocity of the foot a time `t` into the step, by its own equation of motion.
 
     Coefficient by coefficient that is what the total momentum has left after the segments' share, without the

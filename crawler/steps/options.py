@@ -2,7 +2,10 @@
 
 from typing import Any, NamedTuple
 
-from ..model.state import Body, Ledger
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.state import Body, Coefficients, Ledger
 
 __all__ = [
     "AFRESH",
@@ -17,17 +20,21 @@ __all__ = [
     "STEPS_A_HOLD",
     "TAYLOR",
     "ClosedForm",
+    "Hold",
     "Leg",
     "Method",
     "Options",
     "Outcome",
     "Pace",
     "Radau",
+    "Recording",
+    "Situation",
     "Taylor",
     "Taylor8",
     "Taylor12",
     "Taylor16",
     "Taylor20",
+    "TaylorChain",
     "is_taylor",
     "method_of",
 ]
@@ -91,9 +98,14 @@ class ClosedForm(NamedTuple):
     """No method at all: the motion is linear."""
 
 
+class TaylorChain(NamedTuple):
+    """The method of Taylor series for a chain of segments, of any order: it is expanded in loops."""
+
+
 Taylor = Taylor8 | Taylor12 | Taylor16 | Taylor20
-Method = Taylor | Radau | ClosedForm
+Method = Taylor | Radau | ClosedForm | TaylorChain
 TAYLOR: dict[int, type[Taylor]] = {method.order(): method for method in (Taylor8, Taylor12, Taylor16, Taylor20)}
+# Of a crawler of one body.
 METHODS: tuple[type[Method], ...] = (*TAYLOR.values(), Radau, ClosedForm)
 
 
@@ -107,6 +119,23 @@ class Options(NamedTuple):
     log: bool  # whether to write down the events
     tangents: bool  # whether to carry the tangents
     method: Method  # its type alone matters: kernels are compiled for the one that is used
+
+
+class Hold(NamedTuple):
+    """A stretch of time in which the valve stays as it is: a hold, or a part of one; times in natural units."""
+
+    valve: float  # 0 or 1
+    length: float  # of the whole hold
+    begin: float  # of the stretch, time into the hold
+    end: float  # at most `length`
+    start: float  # of the hold in the run; only the events' times depend on it
+
+
+class Recording(NamedTuple):
+    """What is written down of a hold; views of arrays."""
+
+    samples: NDArray[np.float64]  # (5, S): z, v, p, x, w at the times length (j + 1) / S; of a chain see `chain_parts`
+    events: NDArray[np.float64]  # (capacity, 2): time and new mode of each event, if `Options.log`
 
 
 class Pace(NamedTuple):
@@ -138,6 +167,18 @@ class Leg(NamedTuple):
     elapsed: float  # time into the hold that is behind
     pace: Pace
     steps: int  # to take at most until the next pause
+
+
+class Situation(NamedTuple):
+    """Where the motion stands at the start of a step."""
+
+    opening: Body  # at the begin of the valve's stretch
+    body: Body
+    coefficients: Coefficients
+    hold: Hold
+    elapsed: float  # time into the hold
+    options: Options
+    workspace: Any  # of the solver
 
 
 def method_of(options: Any) -> type[Method]:

@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled
+from ...compiling.compilation import compiled, inlined
 from ...compiling.roots import horner
 from ..model.equations import (
     acceleration_at_no_force,
@@ -27,7 +27,7 @@ from ..model.equations import (
     pressure_after,
 )
 from ..model.state import Body, Coefficients, STUCK
-from .options import AFRESH, Options, Pace, Taylor12
+from .options import AFRESH, Pace, Situation, Taylor12
 from .radau_table import CHECKS, STAGES, TABLES
 from .taylor import expand, ROUNDING, state_at
 from .workspace import (
@@ -204,25 +204,20 @@ def collocate(
     return np.nan, AFRESH
 
 
-def radau_step(
-    opening: Body,
-    body: Body,
-    coefficients: Coefficients,
-    valve: float,
-    elapsed: float,
-    remaining: float,
-    options: Options,
-    pace: Pace,
-    series: NDArray[np.float64],
-) -> tuple[float, Body, Pace]:
+@inlined
+def radau_step(now: Situation, pace: Pace) -> tuple[float, Body, Pace]:
     """One step, and its end; parameters and returns as for `taylor_step`."""
-    length, pace = collocate(body, coefficients, valve, remaining, options.order, options.tolerance, pace, series)
+    hold, options, series = now.hold, now.options, now.workspace
+    remaining = hold.end - now.elapsed
+    length, pace = collocate(
+        now.body, now.coefficients, hold.valve, remaining, options.order, options.tolerance, pace, series
+    )
     # No cheap bound of the event function is known: it is looked at whole.
     series[STEP, LOWEST] = series[STEP, STEEPEST] = -np.inf
     series[STEP, HIGHEST] = series[STEP, FLATTEST] = np.inf
     series[STEP, FIRST] = 0.0
-    pressure = pressure_after(opening, coefficients, valve, elapsed + length)
-    return length, state_at(body, coefficients, pressure, options.order, length, series), pace
+    pressure = pressure_after(now.opening, now.coefficients, hold.valve, now.elapsed - hold.begin + length)
+    return length, state_at(now.body, now.coefficients, pressure, options.order, length, series), pace
 
 
 @compiled

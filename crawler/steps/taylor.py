@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled, formula, merged
+from ...compiling.compilation import compiled, formula, inlined, merged
 from ...compiling.roots import horner
 from ...compiling.tracing import where
 from ..model.equations import (
@@ -23,7 +23,7 @@ from ..model.equations import (
     retardation,
 )
 from ..model.state import Body, Coefficients, STUCK
-from .options import AFRESH, Method, Options, Pace, TAYLOR
+from .options import AFRESH, Method, Pace, Situation, TAYLOR
 from .taylor_series import write_step
 from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, Z
 
@@ -126,17 +126,8 @@ def expand(
     write_step(method, inputs, series)
 
 
-def taylor_step(
-    opening: Body,
-    body: Body,
-    coefficients: Coefficients,
-    valve: float,
-    elapsed: float,
-    remaining: float,
-    options: Options,
-    pace: Pace,
-    series: NDArray[np.float64],
-) -> tuple[float, Body, Pace]:
+@inlined
+def taylor_step(now: Situation, _pace: Pace) -> tuple[float, Body, Pace]:
     """One step, as short as it takes for the series to satisfy the equation of motion at its end.
 
     The last coefficients can be blind to what is to come: from rest z grows as t^3, and a cubic spring first acts at
@@ -144,17 +135,10 @@ def taylor_step(
 
     Parameters
     ----------
-    opening, body : Body
-        At the start of the valve's present state and of the step.
-    coefficients : Coefficients
-    valve : float
-    elapsed, remaining : float
-        Time from `opening`, and to the valve's next turn or the end of the hold.
-    options : Options
+    now : Situation
+        Whose workspace, a (ROWS, WIDTH) array, receives the step's polynomials.
     pace : Pace
         Of no matter here.
-    series : (ROWS, WIDTH) array
-        Receives the step's polynomials.
 
     Returns
     -------
@@ -165,8 +149,13 @@ def taylor_step(
     pace : Pace
         AFRESH: every series starts anew.
     """
-    expand(body, coefficients, valve, options.method, options.tolerance, remaining, series)
-    length, end = trusted(opening, body, coefficients, valve, elapsed, options.tolerance, options.order, series)
+    hold, options, series = now.hold, now.options, now.workspace
+    remaining = hold.end - now.elapsed
+    expand(now.body, now.coefficients, hold.valve, options.method, options.tolerance, remaining, series)
+    since = now.elapsed - hold.begin
+    length, end = trusted(
+        now.opening, now.body, now.coefficients, hold.valve, since, options.tolerance, options.order, series
+    )
     return length, end, AFRESH
 
 
@@ -181,7 +170,10 @@ def trusted(
     order: int,
     series: NDArray[np.float64],
 ) -> tuple[float, Body]:
-    """How far an expanded series can be trusted, nan where it is not finite, and the state there; as `taylor_step`."""
+    """How far an expanded series can be trusted, nan where it is not finite, and the state there.
+
+    `elapsed` is the time from `opening`, the body at the start of the valve's present state.
+    """
     length, z, v = series[STEP, LENGTH], series[STEP, END_Z], series[STEP, END_V]
     expected = series[STEP, END_FORCE]
     if not abs(series[V, order + 1]) < np.inf:

@@ -5,20 +5,21 @@ from pathlib import Path
 
 import pytest
 
+from stickslip.crawler.model.state import Body, FORWARD, STUCK
+from stickslip.crawler.motion.sampling import end_of_step
+
 ROOT = Path(__file__).parents[2]
 PACKAGE = ("crawler", "envs", "reservoir", "compiling", "tasks", "train", "studies")
-KERNELS = {"compiled", "allocating", "merged", "formula", "overload", "njit"}
+KERNELS = {"compiled", "allocating", "merged", "formula", "inlined", "overload", "njit"}
 # What bounds the passes of each loop of kernels that is no walk through a range.
 BOUNDS = {
-    ("crawler/motion/loop.py", "advance", "done < count"): "samples of a hold",
+    ("crawler/loop.py", "advance", "spent < allowed"): "max_steps: a pass spends one, and one for each look",
+    ("crawler/loop.py", "advance", "done < count"): "samples of a hold",
     (
-        "crawler/motion/loop.py",
+        "crawler/motion/sampling.py",
         "sampled_by",
         "begin > 0.0 and done < count and (moment_of(done, count, hold) <= begin)",
     ): "samples of a hold",
-    ("crawler/motion/chain_loop.py", "_advance_chain", "done < count"): "samples of a hold",
-    ("crawler/closed_form/loop.py", "advance_linear", "True"): "max_steps: a pass spends one, and one for each look",
-    ("crawler/closed_form/loop.py", "advance_linear", "done < count"): "samples of a hold",
     ("crawler/closed_form/search.py", "first_fall", "spent < budget"): "max_steps less what is spent",
     ("crawler/batch/advance.py", "_in_closed_form", "first < end"): "crawlers of the batch",
     ("crawler/batch/advance.py", "_in_lanes", "active"): "max_steps for each crawler of the batch",
@@ -79,3 +80,13 @@ def test_no_kernel_calls_itself():
     for path in FILES:
         for kernel in kernels(ast.parse(path.read_text(encoding="utf-8"))):
             assert kernel.name not in calls_of(kernel), f"{path}: {kernel.name}"
+
+
+def test_no_step_ends_beyond_its_stretch():
+    # 0.753 and the way from there to 1.78 add up to more than 1.78 in floats.
+    close, elapsed = 1.78, 0.753
+    assert elapsed + (close - elapsed) > close
+    resting = Body(0.0, 0.0, 0.0, 0.0, 0.0, STUCK, 0)
+    assert end_of_step(resting, close, elapsed, close - elapsed, STUCK) == (close, True)
+    assert end_of_step(resting, close, elapsed, close - elapsed, FORWARD) == (close, False)
+    assert end_of_step(resting, close, elapsed, 0.5, FORWARD) == (elapsed + 0.5, False)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from stickslip.crawler import Groups, Scene, simulate, simulation, SolverError, State
+from stickslip.crawler.loop import advance
 from stickslip.crawler.model.state import Body, coefficients_of, NOTHING_YET, STUCK
-from stickslip.crawler.motion.loop import advance
 from stickslip.crawler.refusals import solver_error
 from stickslip.crawler.solvers import SOLVERS
-from stickslip.crawler.steps.options import DIVERGED, FINISHED, LOG_FULL, OUT_OF_STEPS
+from stickslip.crawler.steps.options import DIVERGED, FINISHED, Hold, LOG_FULL, OUT_OF_STEPS, Recording
 from stickslip.crawler.steps.workspace import ROWS, WIDTH
 
 REFUSED = [
@@ -121,12 +121,9 @@ def kernel(groups, hold, *, events=8, body=None, **options):
         body or Body(0.0, 0.0, 0.0, 0.0, 0.0, STUCK, 0),
         NOTHING_YET,
         coefficients_of(groups, Scene()),
-        1.0,
-        hold,
+        Hold(1.0, hold, 0.0, hold, 0.0),
         SOLVERS["taylor"].options(1e-9, **options),
-        0.0,
-        np.empty((5, 1)),
-        np.empty((events, 2)),
+        Recording(np.empty((5, 1)), np.empty((events, 2))),
         np.empty((ROWS, WIDTH)),
     )
 

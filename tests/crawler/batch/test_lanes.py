@@ -10,10 +10,10 @@ from stickslip.compiling.compilation import compiled
 from stickslip.compiling.vectors import LANES
 from stickslip.crawler import Groups, Scene
 from stickslip.crawler.batch.advance import advance_lanes, lane_workspace
-from stickslip.crawler.drive import advance_by_method
+from stickslip.crawler.loop import advance
 from stickslip.crawler.model.state import Body, coefficients_of, NOTHING_YET
 from stickslip.crawler.solvers import SOLVERS
-from stickslip.crawler.steps.options import DIVERGED, FINISHED, MAX_STEPS, OUT_OF_STEPS, TAYLOR
+from stickslip.crawler.steps.options import DIVERGED, FINISHED, Hold, MAX_STEPS, OUT_OF_STEPS, Recording, TAYLOR
 from stickslip.crawler.steps.taylor import order_for
 
 SAMPLES = 3
@@ -27,9 +27,8 @@ def in_lanes(bodies, coefficients, valves, skip, begin, end, hold, options, samp
 
 @compiled
 def alone(body, coefficients, valve, hold, options, samples, workspace):
-    return advance_by_method(
-        body, NOTHING_YET, coefficients, valve, hold, options, 0.0, samples, workspace[:0], workspace
-    )
+    whole = Hold(valve, hold, 0.0, hold, 0.0)
+    return advance(body, NOTHING_YET, coefficients, whole, options, Recording(samples, workspace[:0]), workspace)
 
 
 class Batch:

@@ -13,10 +13,10 @@ from judge import judge
 from modal_judge import LinearMotion, modal_judge
 
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
-from stickslip.crawler.closed_form.loop import advance_linear
+from stickslip.crawler.loop import advance
 from stickslip.crawler.model.state import Body, coefficients_of, FORWARD, NOTHING_YET, STUCK
 from stickslip.crawler.solvers import SOLVERS
-from stickslip.crawler.steps.options import OUT_OF_STEPS
+from stickslip.crawler.steps.options import Hold, OUT_OF_STEPS, Recording
 from stickslip.crawler.steps.propagator import propagator, rates_of, tabulate
 
 LINEAR = Groups.of("linear")
@@ -303,16 +303,13 @@ def test_the_step_budget_is_kept():
     samples, coefficients = np.empty((5, 1)), coefficients_of(LINEAR, Scene())
     body = Body(1.5, 0.0, 0.0, 0.0, 0.0, STUCK, 0)
     for budget in range(60):
-        outcome = advance_linear(
+        outcome = advance(
             body,
             NOTHING_YET,
             coefficients,
-            0.0,
-            20.0,
+            Hold(0.0, 20.0, 0.0, 20.0, 0.0),
             SOLVERS["closed_form"].options(1e-9, max_steps=budget),
-            0.0,
-            samples,
-            np.empty((0, 2)),
+            Recording(samples, np.empty((0, 2))),
             tabulate(coefficients, 20.0, 1),
         )
         if outcome.status != OUT_OF_STEPS:

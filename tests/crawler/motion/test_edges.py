@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from stickslip.crawler import Groups, Scene, simulate, State
+from stickslip.crawler.loop import advance
 from stickslip.crawler.model.state import Body, coefficients_of, FORWARD, NOTHING_YET, STUCK
-from stickslip.crawler.motion.loop import advance
 from stickslip.crawler.solvers import SOLVERS
-from stickslip.crawler.steps.options import FINISHED
+from stickslip.crawler.steps.options import FINISHED, Hold, Recording
 from stickslip.crawler.steps.workspace import ROWS, WIDTH
 
 SYMMETRIC = Scene(ratchet=False)
@@ -274,12 +274,9 @@ def _advanced(groups, body, hold):
         body,
         NOTHING_YET,
         coefficients_of(groups, Scene()),
-        0.0,
-        hold,
+        Hold(0.0, hold, 0.0, hold, 0.0),
         SOLVERS["taylor"].options(1e-15),
-        0.0,
-        np.empty((5, 0)),
-        np.empty((0, 2)),
+        Recording(np.empty((5, 0)), np.empty((0, 2))),
         np.empty((ROWS, WIDTH)),
     )
     assert outcome.status == FINISHED

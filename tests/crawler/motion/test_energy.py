@@ -20,7 +20,7 @@ from stickslip.crawler import (
     State,
 )
 from stickslip.crawler.model.state import Body, Ledger
-from stickslip.crawler.motion import chain_loop, progress
+from stickslip.crawler.motion import progress
 from stickslip.crawler.motion.balance import balance_of, check_balance, Store
 from stickslip.crawler.steps.options import PAUSED
 
@@ -142,7 +142,6 @@ def test_a_fault_within_a_run_breaks_the_balance(monkeypatch, name, quantity):
 
     monkeypatch.setattr(progress, "PAUSE_AFTER", 1)
     monkeypatch.setattr(drive, "_drive_on", faulty(drive._drive_on))
-    monkeypatch.setattr(chain_loop, "_drive_chain_on", faulty(chain_loop._drive_chain_on))
     with pytest.warns(EnergyWarning):
         simulate(valve=WORD, hold=1.0, **RUNS[name])
     assert faults

@@ -1,30 +1,34 @@
-"""One linear crawler, one stretch of a constant valve: the closed form of `advance` where Pi1 = Pi5 = 0.
+"""The parts of the loop for a linear crawler, in closed form where Pi1 = Pi5 = 0.
 
 Nothing is integrated. From event to event the state is a propagator times the state at the last event, and only the
-times of the events are searched for. The error is that of rounding, whatever the tolerance.
+times of the events are searched for. The error is that of rounding, whatever the tolerance, which matters to nothing
+but the turns of a free foot. The budget of steps bounds the evaluations in search of events. The workspace is from
+`tabulate`, for this crawler, hold and number of samples.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import allocating, compiled
+from ...compiling.compilation import allocating, compiled, formula, inlined
 from ...compiling.roots import first_downcrossing
 from ..model.equations import acceleration_at_no_force, force, moved, retardation
 from ..model.groups import Groups
 from ..model.state import BACKWARD, Body, Coefficients, FORWARD, Ledger, STUCK
-from ..motion.events import breaks_loose, comes_to_rest, foot_speed, jump, mode_after_rest, turning_speed
-from ..motion.loop import is_near, moment_of, record, sampled_by
+from ..motion.events import breaks_loose, comes_to_rest, foot_speed, mode_after_rest, turning_speed
+from ..motion.parts import Parts
+from ..motion.sampling import record
 from ..motion.tangent import carry_linear, saltate
-from ..steps.options import AFRESH, DIVERGED, FINISHED, Leg, LOG_FULL, Options, OUT_OF_STEPS, Outcome, PAUSED, Taylor20
+from ..steps.options import AFRESH, Pace, Situation, Taylor20
 from ..steps.propagator import Propagator, propagator, Rates, rates_of, tabulated
 from ..steps.taylor import expand
-from ..steps.workspace import ROWS, SCRATCH, WIDTH
+from ..steps.workspace import CHANGES, ROWS, SCRATCH, WIDTH
 from .energy import account_linear
 from .search import Deviation, deviation, EventFunction, first_fall, Modes, modes_of, safe_start
 
-__all__ = ["advance_linear", "is_linear", "require_linear"]
+__all__ = ["LINEAR", "is_linear", "require_linear"]
 
 # Up to one over the fastest rate a series of this order is exact to rounding.
 _ORDER = Taylor20.order()
@@ -49,106 +53,99 @@ def require_linear(groups: Groups) -> None:
             raise ValueError(f"solver 'closed_form' needs {name} to be 0, got {value!r}; 'auto' takes any groups")
 
 
-@compiled
-def advance_linear(
-    body: Body,
-    ledger: Ledger,
-    coefficients: Coefficients,
-    valve: float,
-    hold: float,
-    options: Options,
-    start: float,
-    samples: NDArray[np.float64],
-    events: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    begin: float = 0.0,
-    end: float = math.inf,
-    leg: Leg | None = None,
-) -> Outcome:
-    """Advance one linear crawler by one hold of the valve, or by a part of one.
+class Flow(NamedTuple):
+    """The motion of a linear body, up to its next event."""
 
-    Parameters
-    ----------
-    body, ledger, coefficients, valve, hold, options, start, samples, events, begin, end, leg
-        As for `advance`. Of `options` the order does not matter, and the tolerance to nothing but the turns of a free
-        foot; `max_steps` bounds the evaluations in search of events; it pauses between two events only.
-    workspace : (2 S + CHANGES, ENTRIES) array
-        From `tabulate`, for this crawler, hold and number S of samples.
+    rates: Rates
+    start: Deviation
+    whole: Propagator  # over the time to the end of the valve's stretch
 
-    Returns
-    -------
-    Outcome
-    """
-    count = samples.shape[1]
-    elapsed = begin
-    if leg is not None:
-        elapsed = leg.elapsed
-    done = sampled_by(elapsed, hold, count)
-    logged = 0
-    close = min(end, hold)
-    spent = 0
-    while True:
-        if leg is not None and spent >= leg.steps:
-            return Outcome(PAUSED, elapsed, spent, logged, body, ledger, AFRESH)
-        rates = rates_of(coefficients, body.mode)
-        deviating = deviation(body, coefficients, valve, rates)
-        length = close - elapsed
-        resting = body.mode == STUCK
-        # A hold's last sample is its end.
-        ends_sampled = close == hold and count > 0
-        if elapsed == 0.0 and ends_sampled:
-            whole = tabulated(workspace, (count if resting else 2 * count) - 1)
-        else:
-            whole = propagator(rates, length)
-        budget = options.max_steps - spent
-        moment, mode, looks = _next_event(
-            body, deviating, coefficients, valve, rates, length, whole, options.tolerance, budget
-        )
-        spent += looks + 1
-        if spent >= options.max_steps:
-            return Outcome(OUT_OF_STEPS, elapsed, options.max_steps, logged, body, ledger, AFRESH)
-        last = mode == body.mode
-        reached = close if last else elapsed + moment
-        following = body
-        while done < count:
-            instant = moment_of(done, count, hold)
-            if instant > reached:
-                break
-            since = min(instant - elapsed, moment)
-            if since == length:
-                over = whole
-            elif elapsed == 0.0 and since == instant:
-                over = tabulated(workspace, done if resting else count + done)
-            else:
-                over = propagator(rates, since)
-            following = _carried(body, deviating, coefficients, valve, over, since)
-            record(following, samples, done)
-            done += 1
-        if not (last and ends_sampled):
-            over = whole if last else propagator(rates, moment)
-            following = _carried(body, deviating, coefficients, valve, over, moment)
-        if not is_near(following):
-            return Outcome(DIVERGED, elapsed, spent, logged, body, ledger, AFRESH)
-        if options.energy:
-            ended = deviation(following, coefficients, valve, rates)
-            ledger = account_linear(ledger, body, following, coefficients, valve, rates, deviating, ended, moment)
-        if options.tangents:
-            over = whole if last else propagator(rates, moment)
-            carry_linear(body, coefficients, over, moment, workspace)
-        elapsed = reached
-        if mode != body.mode:
-            if options.tangents:
-                saltate(following, mode, coefficients, valve, start + elapsed, workspace)
-            following = jump(following, mode, coefficients)
-            if options.log:
-                if logged == events.shape[0]:
-                    return Outcome(LOG_FULL, elapsed, spent, logged, body, ledger, AFRESH)
-                events[logged, 0] = start + elapsed
-                events[logged, 1] = mode
-                logged += 1
-        body = following
-        if last:
-            return Outcome(FINISHED, close, spent, logged, body, ledger, AFRESH)
+
+@inlined
+def _step(now: Situation, _pace: Pace) -> tuple[float, Flow, Pace]:
+    body, coefficients, hold, table = now.body, now.coefficients, now.hold, now.workspace
+    rates = rates_of(coefficients, body.mode)
+    start = deviation(body, coefficients, hold.valve, rates)
+    length = hold.end - now.elapsed
+    count = _samples_of(table)
+    # A hold's last sample is its end.
+    if now.elapsed == 0.0 and hold.end == hold.length and count > 0:
+        whole = tabulated(table, (count if body.mode == STUCK else 2 * count) - 1)
+    else:
+        whole = propagator(rates, length)
+    return length, Flow(rates, start, whole), AFRESH
+
+
+@inlined
+def _event(now: Situation, flow: Flow, length: float, _pace: Pace, budget: int) -> tuple[float, int, int]:
+    length, mode, looks = _next_event(
+        now.body,
+        flow.start,
+        now.coefficients,
+        now.hold.valve,
+        flow.rates,
+        length,
+        flow.whole,
+        now.options.tolerance,
+        budget,
+    )
+    return length, mode, looks if looks + 1 < budget else -1
+
+
+@inlined
+def _sample(
+    now: Situation, flow: Flow, length: float, moment: float, column: int, samples: NDArray[np.float64]
+) -> Body:
+    since = min(moment - now.elapsed, length)
+    if now.elapsed == 0.0 and since == moment and moment < now.hold.end:
+        over = tabulated(now.workspace, column if now.body.mode == STUCK else _samples_of(now.workspace) + column)
+    else:
+        over = _over(now, flow, since)
+    sampled = _carried(now.body, flow.start, now.coefficients, now.hold.valve, over, since)
+    record(sampled, samples, column)
+    return sampled
+
+
+@inlined
+def _arrive(
+    now: Situation, flow: Flow, _longest: float, length: float, _reached: float, last: bool, sampled: Body
+) -> Body:
+    if last and now.hold.end == now.hold.length and _samples_of(now.workspace) > 0:
+        return sampled
+    over = _over(now, flow, length)
+    return _carried(now.body, flow.start, now.coefficients, now.hold.valve, over, length)
+
+
+@inlined
+def _account(now: Situation, flow: Flow, ledger: Ledger, following: Body, length: float) -> Ledger:
+    end = deviation(following, now.coefficients, now.hold.valve, flow.rates)
+    return account_linear(
+        ledger, now.body, following, now.coefficients, now.hold.valve, flow.rates, flow.start, end, length
+    )
+
+
+@inlined
+def _carry(now: Situation, flow: Flow, _following: Body, length: float) -> None:
+    carry_linear(now.body, now.coefficients, _over(now, flow, length), length, now.workspace)
+
+
+@inlined
+def _saltate(now: Situation, _flow: Flow, following: Body, mode: int, time: float) -> None:
+    saltate(following, mode, now.coefficients, now.hold.valve, time, now.workspace)
+
+
+LINEAR = Parts(_step, _event, _sample, _arrive, _account, _carry, _saltate)
+
+
+@inlined
+def _over(now: Situation, flow: Flow, t: float) -> Propagator:
+    return flow.whole if t == now.hold.end - now.elapsed else propagator(flow.rates, t)
+
+
+@formula
+def _samples_of(table: NDArray[np.float64]) -> int:
+    """Samples of a hold that the workspace, from `tabulate`, is for."""
+    return (table.shape[0] - CHANGES) // 2
 
 
 @compiled
