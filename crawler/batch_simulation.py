@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 from ..common.sharing import share
 from .batch.driving import drive_in_lanes
 from .batch.lane_runs import blank_log, Log, Runs
-from .chain_simulation import run_chain
 from .cost import PREDICTED
-from .crawler_simulation import run_crawler, stored_by
 from .model.columns import coefficients_of_each, different, units_of
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Body, Coefficients, Ledger
 from .model.tube import is_chain
-from .motion.balance import Store, store_between
+from .motion.balance import Store, store_between, stored_by_crawler
+from .runs import run_chain, run_crawler
 from .solvers import choose_for_each, SOLVERS
 from .steps.options import FINISHED, MAX_STEPS, STEPS_A_HOLD
 
@@ -96,10 +95,10 @@ def drive_batch(
         # In each one's own unit of time.
         inside = runs._replace(coefficients=columns, holds=batch.holds / units)
         inside.bodies[[1, 4]] *= units
-        start = stored_by(Body(*inside.bodies), Coefficients(*columns))
+        start = stored_by_crawler(Body(*inside.bodies), Coefficients(*columns))
         options = SOLVERS["taylor"].options(tolerance, energy=True, log=True)
         logs = drive_in_lanes(np.flatnonzero(together), batch.schedule, inside, options, threads)
-        store = store_between(start, stored_by(Body(*inside.bodies), Coefficients(*columns)))
+        store = store_between(start, stored_by_crawler(Body(*inside.bodies), Coefficients(*columns)))
         growth, size = store
         _to_units_of_groups(runs, logs, units, together)
 

@@ -12,13 +12,12 @@ from ..common.sharing import processors
 from ..common.validation import finite_array, number_within, whole_number
 from .batch.lane_runs import write_in_order
 from .batch_simulation import Batch, drive_batch, Driven
-from .chain_simulation import stretches_of
 from .cost import PREDICTED
 from .model.columns import different
 from .model.groups import Groups, groups_of_each, GroupsLike
 from .model.scene import Scene
 from .model.state import BACKWARD, Body, ChainState, FOOT, FORWARD, Ledger, REST, SLIPS, State, STUCK
-from .model.tube import is_chain
+from .model.tube import is_chain, stretches_of
 from .model.variations import HOLDS
 from .motion.balance import Balance, balance_of, check_balance, Store
 from .refusals import solver_error, SolverError

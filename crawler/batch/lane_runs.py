@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ...compiling.compilation import compiled
 from ...compiling.vectors import LANES
 from ..model.state import Body, Ledger
-from ..motion.sampling import moment_of
 from ..motion.progress import stretch_at
+from ..motion.sampling import moment_of
 from ..steps.options import DIVERGED, FINISHED, Options, OUT_OF_STEPS, SAMPLES_A_STEP
 from .alone import load_crawler, step_alone, turn_valve
 from .step import (

@@ -6,10 +6,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.validation import finite_array
 from .groups import Groups
 from .scene import Scene
+from .state import ChainState
 
-__all__ = ["as_crawler", "is_chain", "node_masses"]
+__all__ = ["as_crawler", "is_chain", "node_masses", "stretches_of"]
 
 
 def is_chain(scene: Scene) -> bool:
@@ -67,3 +69,26 @@ def as_crawler(groups: Groups, scene: Scene) -> tuple[Groups, Scene, float]:
         foot_mass_fraction=(groups.foot_mass_fraction + 0.5 * scene.tube_mass) / mass,
     )
     return equivalent, replace(scene, tube_mass=0.0, slope=scene.slope * mass), unit
+
+
+def stretches_of(initial: ChainState, scene: Scene) -> NDArray[np.float64]:
+    """The stretches D = N d and D' of the segments, shape (2, segments).
+
+    Raises
+    ------
+    ValueError
+        If `initial` has another number of segments than `scene`, is not finite, or stretches massless segments
+        unevenly: they all pull alike.
+    TypeError
+        If the stretches are not arrays of real numbers.
+    """
+    segments = scene.segments
+    stretches = np.empty((2, segments))
+    for row, name in zip(stretches, ("segment_deformation", "segment_velocity"), strict=True):
+        values = finite_array(f"initial {name}", getattr(initial, name), 1)
+        if len(values) != segments:
+            raise ValueError(f"initial {name} must have segments = {segments} values, got {len(values)}")
+        if not is_chain(scene) and np.ptp(values) > 0.0:
+            raise ValueError(f"initial {name} must be the same for all segments where tube_mass is 0, got {values}")
+        row[:] = segments * values
+    return stretches

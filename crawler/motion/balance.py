@@ -8,12 +8,23 @@ import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model.groups import Groups
 from ..model.scene import Scene
-from ..model.state import Ledger
+from ..model.state import Body, Coefficients, Ledger
+from ..model.tube import node_masses
 
-__all__ = ["Balance", "EnergyWarning", "Store", "balance_of", "check_balance", "store_between"]
+__all__ = [
+    "Balance",
+    "EnergyWarning",
+    "Store",
+    "balance_of",
+    "check_balance",
+    "store_between",
+    "stored_by_chain",
+    "stored_by_crawler",
+]
 
 # A step errs by a part of the tolerance in the force, which acts along the way of that step. Of 25,000 sound runs none
 # needed more than 0.02 tolerances and 5 roundings a step (`tests/crawler/test_attack.py`).
@@ -37,6 +48,24 @@ class Balance(NamedTuple):
     residual: Any  # work less what is stored and lost
     scale: Any  # sum of the sizes of all energies
     allowed: Any  # largest residual that the solver's error explains
+
+
+def stored_by_crawler(body: Body, coefficients: Coefficients) -> tuple[Any, Any]:
+    """Kinetic and elastic energy, and potential energy, of a crawler of one massless segment; of arrays too."""
+    r, payload, z = coefficients.foot_fraction, coefficients.payload_fraction, body.deformation
+    foot_rate, payload_rate = body.foot_velocity, body.foot_velocity + body.velocity
+    kinetic = 0.5 * (r * foot_rate * foot_rate + payload * payload_rate * payload_rate)
+    elastic = 0.5 * z * z * (1.0 + 0.5 * coefficients.duffing * z * z)
+    return kinetic + elastic, coefficients.slope * (body.foot + payload * z)
+
+
+def stored_by_chain(body: Body, stretches: NDArray[np.float64], groups: Groups, scene: Scene) -> tuple[float, float]:
+    """Kinetic and elastic energy, and potential energy, of a chain with those stretches D and D'."""
+    masses = node_masses(groups, scene)
+    places, rates = np.cumsum(np.vstack([[body.foot, body.foot_velocity], stretches.T / scene.segments]), axis=0).T
+    kinetic = 0.5 * masses @ rates**2
+    elastic = np.mean(0.5 * stretches[0] ** 2 + 0.25 * groups.duffing * stretches[0] ** 4)
+    return float(kinetic + elastic), float(scene.slope * (masses @ places))
 
 
 def store_between(before: tuple[Any, Any], after: tuple[Any, Any]) -> Store:

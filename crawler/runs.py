@@ -1,0 +1,129 @@
+"""A run for `simulate`: a body through its schedule with room for all its events, and the energy it stores."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .drive import drive
+from .model.groups import Groups
+from .model.scene import Scene
+from .model.state import Body, Coefficients, coefficients_of
+from .model.tube import as_crawler
+from .motion.balance import Store, store_between, stored_by_chain, stored_by_crawler
+from .motion.sampling import BODY_ROWS
+from .motion.tangent import condition_of, start_changes
+from .solvers import Solver
+from .steps.chain_series import chain_coefficients, chain_order, chain_workspace, ChainWorkspace
+from .steps.options import LOG_FULL, Options, Outcome, TaylorChain
+
+__all__ = ["run_chain", "run_crawler"]
+
+
+def run_crawler(
+    body: Body,
+    groups: Groups,
+    scene: Scene,
+    schedule: NDArray[np.float64],
+    hold: float,
+    options: Options,
+    samples: NDArray[np.float64],
+    solver: Solver,
+) -> tuple[Outcome, int, NDArray[np.float64], Store, float]:
+    """Advance any tube that is one body through its schedule, in its own unit of time.
+
+    Returns
+    -------
+    outcome : Outcome
+    finished : int
+        Holds completed.
+    events : (events, 2) array
+        Times and new motions.
+    stored : Store
+    condition : float
+        As in `Trajectory`; nan unless `options` has the tangents carried.
+    """
+    groups, scene, unit = as_crawler(groups, scene)
+    start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
+    coefficients = coefficients_of(groups, scene)
+    workspace = solver.workspace(coefficients, hold / unit, samples.shape[1] // len(schedule))
+
+    def begin() -> NDArray[np.float64]:
+        start_changes(workspace, start.mode)
+        return workspace
+
+    outcome, finished, events, _ = _run(start, coefficients, schedule, hold / unit, options, samples, begin)
+    stored = store_between(stored_by_crawler(start, coefficients), stored_by_crawler(outcome.body, coefficients))
+    if unit != 1.0:
+        samples[[1, 4]] /= unit
+        events[:, 0] *= unit
+        outcome = outcome._replace(elapsed=outcome.elapsed * unit)
+    condition = condition_of(workspace, unit) if options.tangents else math.nan
+    return outcome, finished, events, stored, condition
+
+
+def run_chain(
+    body: Body,
+    stretches: NDArray[np.float64],
+    groups: Groups,
+    scene: Scene,
+    schedule: NDArray[np.float64],
+    hold: float,
+    options: Options,
+    samples: NDArray[np.float64],
+    segment_samples: NDArray[np.float64],
+) -> tuple[Outcome, int, NDArray[np.float64], Store]:
+    """Advance one chain through its schedule.
+
+    Parameters
+    ----------
+    body : Body
+        Its deformation and velocity are the means of `stretches`.
+    stretches : (2, N) array
+        D and D' of the segments, foot first.
+    groups, scene, schedule, hold, options
+    samples : (5, holds * samples_per_hold) array
+        Receives z, v, p, x, w.
+    segment_samples : (2, N, holds * samples_per_hold) array
+        Receives d and d' of the segments.
+
+    Returns
+    -------
+    outcome, finished, events, stored
+        As for `run_crawler`.
+    """
+    options = options._replace(order=chain_order(options.order), method=TaylorChain())
+    rows = np.empty((BODY_ROWS + 2 * scene.segments, samples.shape[1]))
+
+    def begin() -> ChainWorkspace:
+        return chain_workspace(groups, scene, stretches)
+
+    outcome, finished, events, workspace = _run(
+        body, chain_coefficients(groups, scene), schedule, hold, options, rows, begin
+    )
+    samples[:] = rows[:BODY_ROWS]
+    segment_samples[:] = rows[BODY_ROWS:].reshape(segment_samples.shape)
+    before = stored_by_chain(body, stretches, groups, scene)
+    after = stored_by_chain(outcome.body, workspace.stretches, groups, scene)
+    return outcome, finished, events, store_between(before, after)
+
+
+def _run(
+    body: Body,
+    coefficients: Coefficients,
+    schedule: NDArray[np.float64],
+    hold: float,
+    options: Options,
+    samples: NDArray[np.float64],
+    begin: Callable[[], Any],
+) -> tuple[Outcome, int, NDArray[np.float64], Any]:
+    """Drive a body with room for all its events, from the workspace that `begin` gives; return the events and that."""
+    capacity = 64 + 4 * len(schedule)
+    while True:
+        events, workspace = np.empty((capacity, 2)), begin()
+        outcome, finished = drive(body, coefficients, schedule, hold, options, samples, events, workspace)
+        if outcome.status != LOG_FULL:
+            return outcome, finished, events[: outcome.logged], workspace
+        capacity *= 2
