@@ -120,7 +120,7 @@ def rounded(measured: float) -> float | str:
     """A measured number to six digits: what rounding errors leave alone, and a changed formula seldom does."""
     if not math.isfinite(measured):
         return str(measured)
-    return float(f"{measured:.{_DIGITS}g}") + 0.0 if abs(measured) > 10.0**-_DIGITS else 0.0
+    return float(f"{measured:.{_DIGITS}g}") if abs(measured) > 10.0**-_DIGITS else 0.0
 
 
 def _differences(name: str, kept: Any, asked: Any, growing: Collection[str]) -> Iterator[Difference]:

@@ -5,11 +5,13 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 __all__ = ["worker_processes"]
+
+Result = TypeVar("Result")
 
 
 @contextmanager
@@ -26,10 +28,8 @@ def worker_processes(
     arguments : tuple
     """
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_begin, initargs=(initializer, arguments))
+    pool = _Pool(count, mp_context=context, initializer=_begin, initargs=(initializer, arguments))
     try:
-        with _interrupts_blocked():
-            pool.submit(int)  # the first call starts them all, and they inherit what is blocked
         yield pool
     except BaseException:
         for process in list(pool._processes.values()):
@@ -37,6 +37,14 @@ def worker_processes(
         raise
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+class _Pool(ProcessPoolExecutor):
+    """It starts a process whenever there is work and none is idle, and each inherits what is blocked then."""
+
+    def submit(self, fn: Callable[..., Result], /, *args: Any, **kwargs: Any) -> Future[Result]:
+        with _interrupts_blocked():
+            return super().submit(fn, *args, **kwargs)
 
 
 @contextmanager

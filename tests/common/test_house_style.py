@@ -26,6 +26,8 @@ def test_the_style_holds_within_its_block_only():
         assert not ax.spines["right"].get_visible()
         assert [ax.plot([0, 1])[0].get_color() for _ in OKABE_ITO] == list(OKABE_ITO)
     assert inside["font.size"] == 9
+    assert inside["lines.linewidth"] == 1.3
+    assert inside["legend.frameon"] is False
     assert matplotlib.rcParams == before
     plt.close(figure)
 

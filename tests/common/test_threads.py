@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from stickslip.common.threads import library_threads
 from stickslip.studies.benchmark import run_benchmark
 from stickslip.studies.search import held_out_scores, Range, search, Space
 from stickslip.tasks import Solution
@@ -50,3 +51,25 @@ def test_blas_has_one_thread(work):
         assert threads() == before
     assert task.seen == {1}
     assert before == {2}
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_the_libraries_have_so_many_threads_inside_the_block_alone(count):
+    import torch
+
+    before = torch.get_num_threads()
+    with threadpool_limits(3, user_api="blas"):
+        torch.set_num_threads(3)
+        with library_threads(count):
+            assert (torch.get_num_threads(), threads()) == (count, {count})
+        assert (torch.get_num_threads(), threads()) == (3, {3})
+        with pytest.raises(RuntimeError, match="inside"), library_threads(count):
+            raise RuntimeError("inside")
+        assert (torch.get_num_threads(), threads()) == (3, {3})
+    torch.set_num_threads(before)
+
+
+@pytest.mark.parametrize(("count", "error"), [(0, ValueError), (1.0, TypeError)])
+def test_no_library_has_fewer_threads_than_one(count, error):
+    with pytest.raises(error, match=f"^count must be a whole number >= 1, got {count}$"), library_threads(count):
+        pass

@@ -17,7 +17,8 @@ def begin(*arguments):
 
 def tell(seconds):
     time.sleep(seconds)
-    return os.getpid(), GIVEN, signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    blocked = signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    return os.getpid(), GIVEN, blocked and signal.getsignal(signal.SIGINT) is signal.SIG_IGN
 
 
 def look_and_fail(processes):
