@@ -463,3 +463,13 @@ def test_slips_of_the_run_are_told(monkeypatch):
 
     monkeypatch.setattr(simulation, "run_crawler", spent)
     assert re.search(r": 40000 slips have accumulated, ", refusal({}, [1, 0], 1.0))
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-9])
+@pytest.mark.parametrize(("share", "alive"), [(0.9, True), (1.1, False)])
+def test_a_swing_is_alive_until_it_has_decayed_to_the_tolerance(tolerance, share, alive):
+    # The anchored body decays as e^(-Pi2 t / (1 - r)).
+    span = share * -np.log(tolerance) * 0.7 / 0.05
+    error = solver_error(OUT_OF_STEPS, span, 0.5, 10**6, Groups(deborah=9.0), Scene(anchored=True), tolerance, "taylor")
+    assert ("real swings so far, which no solver may skip" in str(error)) == alive
+    assert ("too stiff for this solver" in str(error)) == (not alive)
