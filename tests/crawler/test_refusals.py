@@ -443,6 +443,11 @@ def test_a_divergence_word_by_word():
     )
 
 
+def test_a_spring_that_bounds_the_body_is_not_asked_for():
+    bounded = Groups(duffing=1e-3, radial_coupling=2.0)
+    assert "began too far or too fast" in refusal(bounded, [1], 1.0, initial=State(velocity=1e13))
+
+
 @pytest.mark.parametrize("solver", ["closed_form", "taylor", "radau"])
 def test_a_body_is_followed_up_to_1e12_units(solver):
     """Anchored, linear and undamped it swings with z^2 + (1 - r) v^2 constant."""
