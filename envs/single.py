@@ -60,8 +60,8 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
 
     ## Observation Space
 
-    `Box` of shape `(5,)` and dtype `float32`, the state at the end of the hold. Bounds are infinite where the physics
-    sets none.
+    `Box` of dtype `float32`, a number for each row: the state at the end of the hold. Bounds are infinite where the
+    physics sets none.
 
     | Num | Observation                           | Min    | Max     | Unit      |
     |-----|---------------------------------------|--------|---------|-----------|

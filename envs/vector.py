@@ -1,6 +1,5 @@
 """StickSlipCrawler-v0 in a batch: thousands of crawlers, one compiled call a step."""
 
-import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, Literal
@@ -13,9 +12,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.sharing import processors
 from ..common.validation import truth_value, whole_number
 from ..crawler import Groups, GroupsLike, Scene
-from ..crawler.model.groups import groups_of_each
 from .batch_engine import BatchEngine
 from .infos import begun, COUNTS, NUMBERS, TOLD
 from .observation import observation_space
@@ -25,6 +24,16 @@ from .single import StickSlipCrawlerEnv
 from .specification import Specified
 from .state import CrawlerState, refuse_foreign
 from .sub_environment import SubEnvironment
+from .vector_arguments import (
+    autoreset_mode_of,
+    commands_of,
+    generators_of,
+    groups_of,
+    mask_of,
+    option_of_each,
+    seeds_of,
+    shown_of,
+)
 
 __all__ = ["StickSlipCrawlerVectorEnv"]
 
@@ -104,18 +113,18 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             "virtual_nodes": virtual_nodes,
             "randomize": randomize,
         }
-        each = _each(groups, self.num_envs)
+        each = groups_of(groups, self.num_envs)
         kinds = {choice: Settings.of(groups=choice, **arguments) for choice in each}
         order = {choice: k for k, choice in enumerate(kinds)}
         kind = np.array([order[choice] for choice in each])
         self.settings = kinds[each[0]]
         never = max_episode_steps is None or max_episode_steps == -1
-        self.autoreset_mode = _autoreset_mode(autoreset_mode)
+        self.autoreset_mode = autoreset_mode_of(autoreset_mode)
         self._copy = truth_value("copy", copy)
         if render_mode not in (None, "human", "rgb_array"):
             raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
         self.render_mode = render_mode
-        self._rendered = _shown(rendered, self.num_envs)
+        self._rendered = shown_of(rendered, self.num_envs)
         self._tiles: Tiles | None = None
         self.metadata = {**StickSlipCrawlerEnv.metadata, "autoreset_mode": self.autoreset_mode}
 
@@ -127,8 +136,8 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         longest = int(np.iinfo(np.int64).max)
         if not never:
             longest = min(longest, whole_number("max_episode_steps", max_episode_steps, 1))
-        most = _processors() if threads is None else whole_number("threads", threads, 1)
-        self._fleet = BatchEngine(list(kinds.values()), kind, longest, most)
+        most = processors() if threads is None else whole_number("threads", threads, 1)
+        self._engine = BatchEngine(list(kinds.values()), kind, longest, most)
         self._pending = np.zeros(self.num_envs, np.bool_)
         self._all = np.ones(self.num_envs, np.bool_)
         self._terminations = np.zeros(self.num_envs, np.bool_)
@@ -198,7 +207,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             If a motion diverges; all sub-environments have to be reset then.
         """
         self._refuse_closed()
-        commands = self._commands(actions)
+        commands = commands_of(actions, self.num_envs)
         if not self._running:
             raise ResetNeeded("step needs a call of reset first")
         idle = self._pending
@@ -207,21 +216,21 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             over = np.flatnonzero(idle).tolist()
             raise ResetNeeded(f"the episodes of sub-environments {over} are over; reset them with a reset_mask")
         self._begun[:] = False  # until the step has succeeded
-        self._fleet.step(commands, idle)
+        self._engine.step(commands, idle)
         self._begun[:] = True
 
-        results = self._fleet.results
+        results = self._engine.results
         self._terminations[:] = False  # without copies the caller has written to it perhaps
         ended = results.truncations.copy()
         last: dict[str, Any] = {}
         if self.autoreset_mode is not AutoresetMode.SAME_STEP:
             if restarting:
-                self._fleet.begin_again(idle)
+                self._engine.begin_again(idle)
             self._pending = ended
         elif np.count_nonzero(ended) > 0:
             last |= {"final_obs": _rows(results.observations, ended), "_final_obs": ended.copy()}
             last |= {"final_info": self._told(ended), "_final_info": ended.copy()}
-            self._fleet.begin_again(ended)
+            self._engine.begin_again(ended)
         infos = self._told(self._all) | last
         if self.render_mode == "human":
             self.render()
@@ -256,11 +265,11 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             raise ResetNeeded("render needs a call of reset first")
         if self._tiles is None:
             self._tiles = Tiles(self.render_mode, self.metadata["render_fps"], self._rendered)
-        return self._tiles.draw([self._fleet.frame(i) for i in self._rendered])
+        return self._tiles.draw([self._engine.frame(i) for i in self._rendered])
 
     def close_extras(self, **_: Any) -> None:
         """End the threads, and close the window if there is one."""
-        self._fleet.close()
+        self._engine.close()
         if self._tiles is not None:
             self._tiles.close()
             self._tiles = None
@@ -272,19 +281,19 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         A sequence of `num_envs` different generators sets them, and so does one generator, which spawns them. The next
         step draws from them.
         """
-        self._fleet.want_generators()
-        return tuple(self._fleet.generators)
+        self._engine.want_generators()
+        return tuple(self._engine.generators)
 
     @np_random.setter
     def np_random(self, value: np.random.Generator | Sequence[np.random.Generator]) -> None:
-        for i, generator in enumerate(_generators(value, self.num_envs)):
-            self._fleet.draw_from(i, generator, -1)
+        for i, generator in enumerate(generators_of(value, self.num_envs)):
+            self._engine.draw_from(i, generator, -1)
 
     @property
     def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
         """Seed of each sub-environment's generator; -1 where a generator was given."""
-        self._fleet.want_generators()
-        return tuple(self._fleet.seeds)
+        self._engine.want_generators()
+        return tuple(self._engine.seeds)
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Call a method of each sub-environment, or get an attribute, as `gymnasium.vector.SyncVectorEnv` does.
@@ -325,7 +334,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         """
         if not self._running:
             raise ResetNeeded("get_state needs a call of reset first")
-        return tuple(self._fleet.save(i, over, generator) for i, over in enumerate(self._pending.tolist()))
+        return tuple(self._engine.save(i, over, generator) for i, over in enumerate(self._pending.tolist()))
 
     def set_state(self, state: CrawlerState | Sequence[CrawlerState | None]) -> None:
         """Go on from states, to the last bit.
@@ -353,7 +362,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
                 refuse_foreign(one, settings)
         if not all(begun or one is not None for begun, one in zip(self._begun.tolist(), states, strict=True)):
             raise ResetNeeded("set_state of some needs a call of reset first")
-        self._fleet.restore(states)
+        self._engine.restore(states)
         for i, one in enumerate(states):
             if one is not None:
                 self._pending[i] = one.over and self.autoreset_mode is not AutoresetMode.SAME_STEP
@@ -362,18 +371,18 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     @property
     def settings_of_each(self) -> list[Settings]:
         """Arguments of each sub-environment."""
-        return self._fleet.settings_of_each
+        return self._engine.settings_of_each
 
     @property
     def crawlers_by_name(self) -> list[tuple[dict[str, float], float]]:
         """Groups and slope of each sub-environment's episode, not to be changed."""
-        return self._fleet.named
+        return self._engine.named
 
     def crawler_of(self, index: int) -> tuple[Groups, Scene]:
         """Crawler and world of a sub-environment's episode."""
         if not self._begun[index]:
             raise AttributeError("no episode has begun, and no crawler been settled; call reset first")
-        return self._fleet.crawlers[index]
+        return self._engine.crawlers[index]
 
     def reset_one(
         self, index: int, seed: int | None = None, options: dict[str, Any] | None = None
@@ -413,24 +422,24 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         """Reset all, or `some` where that is allowed."""
         self._refuse_closed()
         chosen = known_options(options, ("reset_mask", *CRAWLER_OPTIONS))
-        mask = self._reset_mask(chosen.pop("reset_mask", None))
+        mask = mask_of(chosen.pop("reset_mask", None), self.num_envs)
         choices = self._choices(**chosen) if chosen else None
-        seeds = self._seeds_of(seed)
+        seeds = seeds_of(seed, self.num_envs)
         if not some and not mask.all():
             raise ResetNeeded("the first reset must be of all sub-environments, got a reset_mask of some")
-        self._fleet.begin(mask, seeds, choices)
+        self._engine.begin(mask, seeds, choices)
         self._begun |= mask
         self._pending = self._pending & ~mask
         if self.render_mode == "human" and self._running:
             self.render()
-        return self._own(self._fleet.results.observations), self._told(mask)
+        return self._own(self._engine.results.observations), self._told(mask)
 
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.copy() if self._copy else array
 
     def _told(self, mask: NDArray[np.bool_]) -> dict[str, Any]:
         """Infos in Gymnasium's form: zero, and not in the mask beside them, for those who do not have them."""
-        results = self._fleet.results
+        results = self._engine.results
         if np.count_nonzero(mask) == len(mask):
             numbers, counts = self._own(results.numbers), self._own(results.counts)
         else:
@@ -449,106 +458,10 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         if self.closed:
             raise ClosedEnvironmentError("the vector environment is closed; make a new one")
 
-    def _commands(self, actions: ArrayLike) -> NDArray[np.int64]:
-        try:
-            commands = np.asarray(actions)
-        except ValueError:  # rows of different lengths
-            raise ValueError(f"actions must have shape ({self.num_envs},), got {actions!r}") from None
-        if commands.shape != (self.num_envs,):
-            raise ValueError(f"actions must have shape ({self.num_envs},), got {commands.shape}")
-        if commands.dtype.kind not in "biu":
-            raise TypeError(f"actions must be whole numbers, got an array of {commands.dtype}")
-        allowed = (commands == 0) | (commands == 1)
-        if np.count_nonzero(allowed) < self.num_envs:
-            i = int(np.argmin(allowed))
-            raise ValueError(f"actions must be 0 or 1, got {commands[i]} for sub-environment {i}")
-        return commands.astype(np.int64)
-
     def _choices(self, groups: Any = None, slope: Any = None) -> list[Choice]:
         """What the options of a reset settle of each crawler."""
-        given = [_of_each(name, value, self.num_envs) for name, value in (("groups", groups), ("slope", slope))]
-        return [settings.choose(*one) for settings, *one in zip(self._fleet.settings_of_each, *given, strict=True)]
-
-    def _reset_mask(self, mask: Any) -> NDArray[np.bool_]:
-        if mask is None:
-            return np.ones(self.num_envs, np.bool_)
-        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
-            raise TypeError(f"reset_mask must be an array of bool, got {mask!r}")
-        if mask.shape != (self.num_envs,):
-            raise ValueError(f"reset_mask must have shape ({self.num_envs},), got {mask.shape}")
-        if not mask.any():
-            raise ValueError("reset_mask must name one sub-environment at least, got none")
-        return mask
-
-    def _seeds_of(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
-        if seed is None:
-            return [None] * self.num_envs
-        if isinstance(seed, Sequence):
-            seeds = [each if each is None else whole_number("seed", each, 0) for each in seed]
-            if len(seeds) != self.num_envs:
-                raise ValueError(f"seed must be one number or {self.num_envs} of them, got {len(seeds)}")
-            return seeds
-        first = whole_number("seed", seed, 0)
-        return [first + i for i in range(self.num_envs)]
-
-
-def _each(choice: Any, count: int) -> list[Groups]:
-    """Groups of each sub-environment."""
-    groups = groups_of_each(choice)
-    if isinstance(groups, Groups):
-        return [groups] * count
-    if len(groups) != count:
-        raise ValueError(f"groups must be one choice or num_envs = {count} of them, got {len(groups)}")
-    return groups
-
-
-def _of_each(name: str, value: Any, count: int) -> Sequence[Any]:
-    """An option of each sub-environment."""
-    if isinstance(value, np.ndarray) and value.ndim > 0:
-        value = value.tolist()
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        if len(value) != count:
-            raise ValueError(f"{name} must be one choice or num_envs = {count} of them, got {len(value)}")
-        return value
-    return [value] * count
-
-
-def _generators(value: Any, count: int) -> Sequence[np.random.Generator]:
-    """Generators of each sub-environment."""
-    if isinstance(value, np.random.Generator):
-        return value.spawn(count)
-    several = value if isinstance(value, Sequence) else ()
-    if not several or not all(isinstance(each, np.random.Generator) for each in several):
-        raise TypeError(f"np_random must be a numpy.random.Generator or num_envs = {count} of them, got {value!r}")
-    if len(several) != count or len({id(each.bit_generator) for each in several}) < count:
-        # Two threads that draw from one would get its numbers in no order.
-        raise ValueError(f"np_random must be num_envs = {count} generators that share no state, got {value!r}")
-    return several
-
-
-def _shown(rendered: Any, count: int) -> list[int]:
-    """Sub-environments to draw."""
-    if rendered is None:
-        return list(range(count))
-    if not isinstance(rendered, Sequence | np.ndarray):
-        raise TypeError(f"rendered must be a sequence of sub-environments, got {rendered!r}")
-    if len(rendered) == 0:
-        raise ValueError(f"rendered must name one sub-environment at least, got {rendered!r}")
-    return [whole_number("rendered", i, 0, count - 1) for i in rendered]
-
-
-def _processors() -> int:
-    """Processors that this process may run on; all, where the system does not tell."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    return (os.cpu_count() or 1) if affinity is None else len(affinity(0))
-
-
-def _autoreset_mode(mode: str | AutoresetMode) -> AutoresetMode:
-    try:
-        return AutoresetMode(mode)
-    except ValueError:
-        allowed = [each.value for each in AutoresetMode]
-        raise ValueError(f"autoreset_mode must be one of {allowed}, got {mode!r}") from None
+        given = [option_of_each(name, value, self.num_envs) for name, value in (("groups", groups), ("slope", slope))]
+        return [settings.choose(*one) for settings, *one in zip(self._engine.settings_of_each, *given, strict=True)]
 
 
 def _rows(array: NDArray[Any], mask: NDArray[np.bool_]) -> NDArray[np.object_]:
