@@ -393,9 +393,9 @@ def test_inputs_are_of_one_value_up_to_a_billionth_of_their_spread(scale):
     with pytest.raises(ValueError, match=r"^inputs must have two values for the Walsh basis, .*got 4;"):
         walsh(scale * (2 + 3 * high + 3 * 1.1 * jitter))
     innovation = np.where(rng.random(400) < 0.5, 1, -1) * np.where(high, 0.7, 0.3)
-    spread = 1.4 * jitter * np.sign(innovation)
+    spread = 1.4 * jitter * (innovation > 0)
     np.testing.assert_allclose(walsh(scale * (innovation + 0.9 * spread))[0], innovation / np.sqrt(0.21), rtol=1e-8)
-    with pytest.raises(ValueError, match=r"got 8;"):
+    with pytest.raises(ValueError, match=r"got 6;"):
         walsh(scale * (innovation + 1.1 * spread))
     # Zero is no size of an innovation, and three sizes are none of a bit's.
     for values in ([0.0, 0.5, -0.5], [0.1, 0.2, -0.3], [0.1, -0.1, 0.2, -0.2, 0.3]):
