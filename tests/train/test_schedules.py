@@ -133,6 +133,11 @@ def test_the_front_holds_what_nothing_beats():
     assert points[pareto_front(points)].tolist() == [[2.0, 0.0], [1.0, 2.0], [0.0, 3.0]]
 
 
+def test_of_no_points_there_is_no_front():
+    front = pareto_front(np.empty((0, 2)))
+    assert (front.shape, front.dtype) == ((0,), np.int64)
+
+
 def test_every_point_is_beaten_by_or_on_the_front():
     points = np.random.default_rng(0).random((200, 2))
     front = points[pareto_front(points)]

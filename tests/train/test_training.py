@@ -152,6 +152,27 @@ def test_a_run_that_goes_on_is_what_stable_baselines_learns_from_its_checkpoint(
     assert not torch.equal(weights(load_policy(run, run.final)), weights(load_policy(run, run.checkpoint(128))))
 
 
+def test_a_run_that_is_one_step_short_goes_on(tmp_path):
+    small = {"n_envs": 2, "n_steps": 4, "batch_size": 8}
+    train(configuration(8, **small), tmp_path / "run", vec_env=SHORT)
+    run = train(configuration(9, **small), tmp_path / "run", resume=True, vec_env=SHORT)
+    assert load_policy(run, run.final).num_timesteps == 16  # updates are whole
+
+
+def test_infos_are_sparse_where_only_the_algorithm_reads_them(tmp_path, monkeypatch):
+    made = []
+
+    class Noting(StickSlipVecEnv):
+        def __init__(self, count, **arguments):
+            made.append((count, arguments.get("sparse_infos", False)))
+            super().__init__(count, max_episode_steps=5, **arguments)
+
+    monkeypatch.setattr("stickslip.train.training.StickSlipVecEnv", Noting)
+    asked = replace(configuration(8, n_envs=2, n_steps=4, batch_size=8), env_kwargs=TRADE)
+    train(asked, tmp_path / "run")
+    assert made == [(2, True), (8, False)]
+
+
 def test_a_schedule_falls_over_all_the_steps_of_a_run(flipped_run, tmp_path):
     def rates(run):
         models = {int(file.name.split("_")[0]): load_policy(run, file) for file in run.folder.glob("checkpoints/*")}

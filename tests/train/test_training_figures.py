@@ -35,6 +35,12 @@ def _nothing_left_open():
 
 
 def drawn(ax):
+    """Lines by label, all of which can be seen."""
+    for line in ax.lines:
+        width = line.get_markersize() if line.get_linestyle() == "None" else line.get_linewidth()
+        assert line.get_visible()
+        assert width >= 0.5
+        assert line.get_color() not in ("white", "1.0")
     return {line.get_label(): line for line in ax.lines}
 
 
