@@ -14,6 +14,7 @@ __all__ = [
     "moved",
     "pressure_after",
     "retardation",
+    "stiffness_at",
 ]
 
 # Arithmetic on the denormal numbers that a gap would end in takes a hundred times as long.
@@ -28,6 +29,12 @@ def force(coefficients: Coefficients, z: float, v: float, p: float) -> float:
         - z * (1.0 + coefficients.duffing * z * z)
         - coefficients.damping * v
     )
+
+
+@formula
+def stiffness_at(coefficients: Coefficients, z: float, p: float) -> float:
+    """K = -dF / dz = 1 + 3 Pi1 z^2 - Pi5 p."""
+    return 1.0 + 3.0 * coefficients.duffing * z * z - coefficients.radial_coupling * p
 
 
 @formula

@@ -17,14 +17,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled
+from ...compiling.compilation import compiled, formula
 from ...compiling.roots import horner
-from ..model.equations import acceleration_at_no_force, force, mobility_of, retardation
+from ..model.equations import acceleration_at_no_force, force, mobility_of, retardation, stiffness_at
 from ..model.state import Body, Coefficients, STUCK
 from ..steps.propagator import Propagator
 from ..steps.workspace import CHANGES, P, Z
 
-__all__ = ["carry", "carry_linear", "condition_of", "saltate", "start_changes"]
+__all__ = ["carry", "carry_linear", "condition_of", "force_gradient", "saltate", "start_changes"]
 
 # Rows of the tangents: changes of z, v, x and w at this instant; a column each for a change of z, v and w at the start.
 _DZ, _DV, _DX, _DW = range(CHANGES)
@@ -96,9 +96,7 @@ def carry_linear(
 @compiled
 def _stiffness(coefficients: Coefficients, mobility: float, order: int, t: float, series: NDArray[np.float64]) -> float:
     z = horner(series[Z], order + 1, t)
-    return mobility * (
-        1.0 + 3.0 * coefficients.duffing * z * z - coefficients.radial_coupling * horner(series[P], order, t)
-    )
+    return mobility * stiffness_at(coefficients, z, horner(series[P], order, t))
 
 
 @compiled
@@ -196,10 +194,8 @@ def saltate(
         _foot_acceleration(coefficients, body.mode, pull),
         _foot_acceleration(coefficients, mode, pull),
     )
-    by_z = p * coefficients.radial_coupling - 1.0 - 3.0 * coefficients.duffing * z * z
-    by_v = -coefficients.damping
-    lag = coefficients.lag_rate * (valve - p)
-    pull_rate = by_z * v + by_v * before + (1.0 + coefficients.radial_coupling * z) * lag
+    by_z, by_v, by_p = force_gradient(coefficients, z, p)
+    pull_rate = by_z * v + by_v * before + by_p * (coefficients.lag_rate * (valve - p))
     # How fast the event function falls: of a grip s plus or less F, of a slip its speed.
     falling = -mode * pull_rate if body.mode == STUCK else -body.mode * foot_before
     for i in range(_COLUMNS):
@@ -209,6 +205,13 @@ def saltate(
         later = rise / falling if falling > 0.0 and time > 0.0 else 0.0
         tangents[_DV, i] += (before - after) * later
         tangents[_DW, i] = tangents[_DW, i] + (foot_before - foot_after) * later if mode != STUCK else 0.0
+
+
+@formula
+def force_gradient(coefficients: Coefficients, z: float, p: float) -> tuple[float, float, float]:
+    """Derivatives of the force with respect to z, v and p; the first is -`stiffness_at`, rounded otherwise."""
+    by_z = p * coefficients.radial_coupling - 1.0 - 3.0 * coefficients.duffing * z * z
+    return by_z, -coefficients.damping, 1.0 + coefficients.radial_coupling * z
 
 
 @compiled

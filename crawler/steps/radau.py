@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled, inlined
+from ...compiling.compilation import compiled, formula, inlined
 from ...compiling.roots import horner
 from ..model.equations import (
     acceleration_at_no_force,
@@ -25,6 +25,7 @@ from ..model.equations import (
     is_free,
     mobility_of,
     pressure_after,
+    stiffness_at,
 )
 from ..model.state import Body, Coefficients, STUCK
 from .options import AFRESH, Pace, Situation, Taylor12
@@ -50,7 +51,7 @@ from .workspace import (
     Z,
 )
 
-__all__ = ["collocate", "radau_step", "refine_event_step", "stages_for"]
+__all__ = ["collocate", "held_stiffness", "radau_step", "refine_event_step", "stages_for"]
 
 _NODES, _GAPS, _INTEGRAL, _TWICE = TABLES.nodes, TABLES.gaps, TABLES.integral, TABLES.twice
 _EIGENVALUES, _LEFT, _RIGHT = TABLES.eigenvalues, TABLES.left, TABLES.right
@@ -289,9 +290,7 @@ def _widest(
 @compiled
 def _growth_rate(body: Body, coefficients: Coefficients, valve: float) -> float:
     """Rate at which two motions part, where the pressure can make the stiffness negative; at least 0."""
-    z = body.deformation
-    pressure = max(body.pressure, valve)
-    stiffness = 1.0 + 3.0 * coefficients.duffing * z * z - coefficients.radial_coupling * pressure
+    stiffness = stiffness_at(coefficients, body.deformation, max(body.pressure, valve))
     if stiffness >= 0.0:
         return 0.0
     mobility = mobility_of(coefficients, body.mode)
@@ -352,10 +351,9 @@ def _first_length(
     that mode may be left to decay unresolved.
     """
     mobility = mobility_of(coefficients, body.mode)
-    z = body.deformation
     damping = mobility * coefficients.damping
-    pressure = max(body.pressure, valve)
-    stiffness = mobility * (1.0 + 3.0 * coefficients.duffing * z * z + coefficients.radial_coupling * pressure)
+    # The pressure's part is added, whatever its sign: a bound.
+    stiffness = mobility * stiffness_at(coefficients, body.deformation, -max(body.pressure, valve))
     fastest = damping + math.sqrt(stiffness)
     if abs(body.pressure - valve) > tolerance:
         fastest = max(fastest, coefficients.lag_rate)
@@ -407,7 +405,7 @@ def _solve(
             moment = pace.begin + _NODES[method, i] * length
             a[i] = mobility * horner(series[FORCE], stages, moment) + constant
     else:
-        held = 1.0 + damping + length * length * mobility * (1.0 + 3.0 * coefficients.duffing * z[0] * z[0])
+        held = 1.0 + damping + length * length * mobility * stiffness_at(coefficients, z[0], 0.0)
         for i in range(1, stages + 1):
             a[i] = a[0] / held
 
@@ -425,7 +423,7 @@ def _solve(
             v[i] = v[0] + length * gained
             z[i] = z[0] + length * (_NODES[method, i] * v[0] + length * moved)
             pull[i] = force(coefficients, z[i], v[i], p[i])
-            stiffness += 1.0 + 3.0 * coefficients.duffing * z[i] * z[i] - coefficients.radial_coupling * p[i]
+            stiffness += stiffness_at(coefficients, z[i], p[i])
             size = max(size, force_terms(coefficients, z[i], v[i]))
             left_over[i - 1] = mobility * pull[i] + constant - a[i]
             worst = max(worst, abs(left_over[i - 1]))
@@ -496,8 +494,7 @@ def _error(
         spread += abs(weight)
     doubt = spread * rounding
     force_gap = max(0.0, abs(gap) / mobility - doubt)
-    square = coefficients.duffing * z[stages] * z[stages]
-    stiffness = length * mobility * (coefficients.damping + length * (1.0 + 3.0 * square))
+    stiffness = length * mobility * (coefficients.damping + length * held_stiffness(coefficients, z[stages]))
     # What a step errs by is handed on, to the steps of a unit of time or to those before the damping has forgotten it.
     memory = _DENSE[method] * max(length, 1.0 / (1.0 + mobility * coefficients.damping))
     error = _DENSE[method] * max(length, 1.0) * max(0.0, abs(rate_gap) - spread * ROUNDING * abs(v[0]))
@@ -516,6 +513,12 @@ def _error(
         defect = abs(force(coefficients, z_there, v_there, pressure) - pull_there)
         error = max(error, defect - 2.0 * rounding)
     return error
+
+
+@formula
+def held_stiffness(coefficients: Coefficients, z: float) -> float:
+    """`stiffness_at` without pressure, rounded otherwise: the lengths of steps depend on the last bit of an error."""
+    return 1.0 + 3.0 * (coefficients.duffing * z * z)
 
 
 @compiled

@@ -69,7 +69,7 @@ if __name__ == "__main__":
 
 
 def test_faults_of_the_package_compile():
-    for file in ("crawler/motion/loop.py", "tasks/narma.py", "envs/rendering/canvas.py"):
+    for file in ("crawler/loop.py", "tasks/narma.py", "envs/rendering/canvas.py"):
         text = (ROOT / file).read_bytes()
         for mutant in mutants(text)[::20]:
             compile(mutant.applied(text), file, "exec")
