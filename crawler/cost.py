@@ -1,15 +1,14 @@
 """What a run will cost by each solver, predicted from how fast and how stiff the crawler is.
 
 Cost is steps times what a step takes. The body is taken to be linear about the deformation at which the full pressure
-holds it, and its motion to be a sum of modes: the lag of the fluid and, for each motion of the foot, an oscillation or
-a fast and a slow relaxation. Every turn of the valve sets them off. The n-th term of a mode a e^(-decay t) whose n-th
-derivative is rate^n as large stays below the tolerance in a step of length
+holds it, and its motion to be a sum of transients: the lag of the fluid and, for each motion of the foot, an
+oscillation or a fast and a slow relaxation. Every turn of the valve sets them off. The n-th term of one a e^(-decay t)
+whose n-th derivative is rate^n as large stays below the tolerance in a step of length
 
     h(t) = (n! tolerance / a)^(1 / n) e^(decay t / n) / rate,
 
-and the steps it takes are the integral of 1 / h. They lengthen as the mode dies, and what it costs once it is dead
-tells the solvers apart: a Taylor series stays within so many of its time constants for ever, and Radau collocation is
-free of it.
+and the steps it takes are the integral of 1 / h. They lengthen as it dies, and what it costs once it is dead tells the
+solvers apart: a Taylor series stays within so many of its time constants for ever, and Radau collocation is free of it.
 """
 
 import math
@@ -43,9 +42,9 @@ _CLOSED_FORM, _TAYLOR, _RADAU = range(len(PREDICTED))
 _TAYLOR_STEP, _TAYLOR_ORDER, _RADAU_STAGE, _LOOK = 0.25, 0.012, 0.3, 0.13
 # Length of a step over h above.
 _TAYLOR_REACH, _RADAU_REACH = 1.2, 2.5
-# Longest step of a Taylor series over order / rate: a longer one would make a dead mode grow again.
+# Longest step of a Taylor series over order / rate: a longer one would make a dead transient grow again.
 _TAYLOR_STABLE = 0.5
-# A mode that Radau could cross in steps of so many (n!)^(1 / n) / rate is too faint to be followed.
+# A transient that Radau could cross in steps of so many (n!)^(1 / n) / rate is too faint to be followed.
 _RADAU_FAINT = 2.0
 # Part of the time for which a foot that breaks loose slides, if friction stops it again.
 _SLIDING = 0.5
@@ -64,7 +63,7 @@ class Rates(NamedTuple):
     damping: float  # 2 Pi2 / m: of a stretch that nothing drives
 
 
-class Mode(NamedTuple):
+class Transient(NamedTuple):
     """One term of the motion that a turn of the valve sets off."""
 
     rate: float  # size of its complex exponent
@@ -81,7 +80,7 @@ class Method(NamedTuple):
     digits: float  # ln(order! tolerance)
     reach: float  # of a step over h
     longest: float  # step over 1 / rate
-    stiff: bool  # whether a mode that would allow a longer one is of no more concern
+    stiff: bool  # whether a transient that would allow a longer one is of no more concern
 
 
 @formula
@@ -239,14 +238,14 @@ def _steps_of(
     """Steps of a hold, which lasts for `spell`."""
     deformation = _held_stretch(coefficients)
     push = 1.0 + coefficients.radial_coupling * deformation
-    resting, resting_slow = _body_modes(coefficients, STUCK, deformation, push, 0.0)
+    resting, resting_slow = _body_transients(coefficients, STUCK, deformation, push, 0.0)
     sliding, sliding_slow = resting, resting_slow
     part = 0.0
     loose = not coefficients.anchored and coefficients.static_friction < resting.acceleration / resting.mobility
     if loose:
         part = _SLIDING if coefficients.kinetic_friction > 0.0 else 1.0
         jump = coefficients.static_friction - coefficients.kinetic_friction
-        sliding, sliding_slow = _body_modes(coefficients, FORWARD, deformation, push, jump)
+        sliding, sliding_slow = _body_transients(coefficients, FORWARD, deformation, push, jump)
 
     if solver == _CLOSED_FORM:
         count = 1.0 if coefficients.anchored else 2.0 if coefficients.ratchet else 3.0
@@ -255,7 +254,7 @@ def _steps_of(
         return count
     method = _method(solver, order, stages, tolerance)
     lag = coefficients.lag_rate
-    fluid = Mode(lag, lag, resting.mobility * push, resting.mobility, False)
+    fluid = Transient(lag, lag, resting.mobility * push, resting.mobility, False)
     # Collocation begins the sliding anew, a Taylor series begins every step anew.
     count = 2.0 if loose and method.stiff else 1.0
     count += _steps_through(fluid, spell, method)
@@ -286,10 +285,10 @@ def _held_stretch(coefficients: Coefficients) -> float:
 
 
 @formula
-def _body_modes(
+def _body_transients(
     coefficients: Coefficients, mode: int, deformation: float, push: float, jump: float
-) -> tuple[Mode, Mode]:
-    """Modes of the body about a deformation, the fastest first; the second has the rate 0 where there is but one.
+) -> tuple[Transient, Transient]:
+    """Transients of the body about a deformation, the fastest first; the second has the rate 0 where there is but one.
 
     The pressure sets them off by a change of force `push` that takes the time of its lag, and a foot that breaks loose
     by a sudden one, `jump`.
@@ -300,10 +299,12 @@ def _body_modes(
     if decay >= frequency:
         fast = decay + math.sqrt(decay - frequency) * math.sqrt(decay + frequency)
         decay, slow = fast, frequency * (frequency / fast)
-    # What sets off a mode of that rate.
+    # What sets off a transient of that rate.
     sudden = mobility * max(push / (1.0 + fast / coefficients.lag_rate), jump)
     gradual = mobility * max(push / (1.0 + slow / coefficients.lag_rate), jump)
-    return Mode(fast, decay, sudden, mobility, True), Mode(slow, slow, gradual * (slow / fast), mobility, True)
+    return Transient(fast, decay, sudden, mobility, True), Transient(
+        slow, slow, gradual * (slow / fast), mobility, True
+    )
 
 
 @formula
@@ -317,32 +318,32 @@ def _method(solver: int, order: int, stages: int, tolerance: float) -> Method:
 
 
 @formula
-def _steps_through(mode: Mode, span: float, method: Method) -> float:
-    """Steps that a mode asks for in the time `span` after it was set off."""
-    if mode.rate == 0.0:
+def _steps_through(transient: Transient, span: float, method: Method) -> float:
+    """Steps that a transient asks for in the time `span` after it was set off."""
+    if transient.rate == 0.0:
         return 0.0
     # A Taylor series keeps the tolerance in the acceleration; Radau in the force, the velocity and the deformation.
-    size = mode.acceleration
+    size = transient.acceleration
     if method.stiff:
-        size *= max(1.0 / mode.mobility, 1.0 / mode.rate, 1.0 / mode.rate / mode.rate)
-    if not (size < math.inf and mode.rate < math.inf):
+        size *= max(1.0 / transient.mobility, 1.0 / transient.rate, 1.0 / transient.rate / transient.rate)
+    if not (size < math.inf and transient.rate < math.inf):
         return math.inf
-    afterwards = mode.rate / method.longest if mode.lasting and not method.stiff else 0.0
+    afterwards = transient.rate / method.longest if transient.lasting and not method.stiff else 0.0
     reach = 0.0
     if size > 0.0:
         reach = method.reach * math.exp((method.digits - math.log(size)) / method.order)
     if size == 0.0 or reach >= method.longest:
         return span * afterwards
-    lengthening = mode.decay / method.order
+    lengthening = transient.decay / method.order
     alive = span
     if lengthening * span > math.log(method.longest / reach):
         alive = math.log(method.longest / reach) / lengthening
     mean = -math.expm1(-lengthening * alive) / (lengthening * alive) if lengthening * alive > 0.0 else 1.0
-    return alive * mean * mode.rate / reach + (span - alive) * afterwards
+    return alive * mean * transient.rate / reach + (span - alive) * afterwards
 
 
 @formula
-def _looks_at(mode: Mode, span: float) -> float:
-    """Looks for events that a mode asks for in the time `span` after it was set off."""
-    alive = span if mode.decay * span < _LOOKED_AT else _LOOKED_AT / mode.decay
-    return _LOOKS_A_RADIAN * mode.rate * alive
+def _looks_at(transient: Transient, span: float) -> float:
+    """Looks for events that a transient asks for in the time `span` after it was set off."""
+    alive = span if transient.decay * span < _LOOKED_AT else _LOOKED_AT / transient.decay
+    return _LOOKS_A_RADIAN * transient.rate * alive

@@ -26,7 +26,7 @@ from ..steps.propagator import Propagator, propagator, Rates, rates_of, tabulate
 from ..steps.taylor import expand
 from ..steps.workspace import CHANGES, ROWS, SCRATCH, WIDTH
 from .energy import account_linear
-from .search import Deviation, deviation, EventFunction, first_fall, Modes, modes_of, safe_start
+from .search import Amplitudes, amplitudes_of, Deviation, deviation, EventFunction, first_fall, safe_start
 
 __all__ = ["LINEAR", "is_linear", "require_linear"]
 
@@ -173,21 +173,21 @@ def _next_event(
     """Where the smooth motion ends, at most at `length`, the motion that follows, and the evaluations spent."""
     if coefficients.anchored:
         return length, body.mode, 0
-    modes = modes_of(start, rates)
+    amplitudes = amplitudes_of(start, rates)
     if body.mode == STUCK:
         grip = _grip(FORWARD, coefficients, rates)
-        moment, spent = first_fall(grip, start, rates, modes, 0.0, length, whole, budget)
+        moment, spent = first_fall(grip, start, rates, amplitudes, 0.0, length, whole, budget)
         mode = FORWARD
         if not coefficients.ratchet and spent < budget:
             grip = _grip(BACKWARD, coefficients, rates)
-            backward, looks = first_fall(grip, start, rates, modes, 0.0, length, whole, budget - spent)
+            backward, looks = first_fall(grip, start, rates, amplitudes, 0.0, length, whole, budget - spent)
             spent += looks
             if backward < moment:
                 moment, mode = backward, BACKWARD
         return (moment, mode, spent) if moment <= length else (length, STUCK, spent)
 
     beyond = turning_speed(body, coefficients, tolerance)
-    moment, spent = _standstill(body, start, coefficients, valve, rates, modes, length, whole, beyond, budget)
+    moment, spent = _standstill(body, start, coefficients, valve, rates, amplitudes, length, whole, beyond, budget)
     rests = moment <= length
     if rests:
         over = propagator(rates, moment)
@@ -218,7 +218,7 @@ def _standstill(
     coefficients: Coefficients,
     valve: float,
     rates: Rates,
-    modes: Modes,
+    amplitudes: Amplitudes,
     length: float,
     whole: Propagator,
     beyond: float,
@@ -226,7 +226,7 @@ def _standstill(
 ) -> tuple[float, int]:
     """When the sliding foot's speed, by momentum, and `beyond` more falls through zero; inf if not by `length`."""
     payload, direction = coefficients.payload_fraction, body.mode
-    margin = EventFunction(
+    function = EventFunction(
         direction * (body.foot_velocity + payload * body.velocity) + beyond,
         -direction * retardation(coefficients, direction),
         -direction * payload,
@@ -236,12 +236,12 @@ def _standstill(
     begin = 0.0
     if body.foot_velocity == 0.0 and beyond == 0.0:
         # A slip begins at rest, and its speed is at first a difference that rounding swamps.
-        gained = margin.drift + margin.factor * start.acceleration
+        gained = function.drift + function.factor * start.acceleration
         if breaks_loose(direction, coefficients, body.deformation, body.velocity, body.pressure):
             gained = max(
                 gained, (coefficients.static_friction - coefficients.kinetic_friction) / coefficients.foot_fraction
             )
-        begin = safe_start(margin, start, rates, modes, gained)
+        begin = safe_start(function, start, rates, amplitudes, gained)
         if begin == 0.0:
             begin = min(length, 1.0 / max(rates.fast, rates.lag, math.sqrt(rates.mobility)))
             series = np.empty((ROWS, WIDTH))
@@ -252,4 +252,4 @@ def _standstill(
                 return moment, 1
         if not begin < length:
             return math.inf, 1
-    return first_fall(margin, start, rates, modes, begin, length, whole, budget)
+    return first_fall(function, start, rates, amplitudes, begin, length, whole, budget)

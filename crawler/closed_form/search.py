@@ -18,13 +18,13 @@ from ..steps.propagator import decay, Propagator, propagator, Rates
 
 __all__ = [
     "FAINTEST",
+    "Amplitudes",
     "Deviation",
     "EventFunction",
-    "Modes",
+    "amplitudes_of",
     "deviation",
     "first_fall",
     "largest_derivative",
-    "modes_of",
     "safe_start",
 ]
 
@@ -64,7 +64,7 @@ class EventFunction(NamedTuple):
     size: float  # of the terms that make up the constant
 
 
-class Modes(NamedTuple):
+class Amplitudes(NamedTuple):
     """A body with distinct real rates: z = lone e^(-lone_rate t) + pair e^(-pair_rate t) + driven E(t).
 
     E is the divided difference of the exponentials of the paired rate and the lag's, so that their resonance is
@@ -108,33 +108,35 @@ def _faded(value: float) -> float:
 
 
 @compiled
-def modes_of(start: Deviation, rates: Rates) -> Modes:
+def amplitudes_of(start: Deviation, rates: Rates) -> Amplitudes:
     """Amplitudes of a body whose rates are real and distinct (where they are not, those are not used)."""
     slow, fast, apart = rates.slow, rates.fast, 2.0 * rates.spread
     push = rates.mobility * start.gap
     if abs(rates.lag - slow) <= abs(rates.lag - fast):
         driven = push / (fast - rates.lag)
         lone = (driven - start.v - slow * start.z) / apart
-        return Modes(lone, fast, start.z - lone, slow, driven)
+        return Amplitudes(lone, fast, start.z - lone, slow, driven)
     driven = push / (slow - rates.lag)
     lone = (start.v + fast * start.z - driven) / apart
-    return Modes(lone, slow, start.z - lone, fast, driven)
+    return Amplitudes(lone, slow, start.z - lone, fast, driven)
 
 
 @compiled
-def largest_derivative(rates: Rates, modes: Modes, order: int, t: float, z: float, v: float, gap: float) -> float:
+def largest_derivative(
+    rates: Rates, amplitudes: Amplitudes, order: int, t: float, z: float, v: float, gap: float
+) -> float:
     """Bound on the derivative of the given order of v, from `t` on, where the state is z, v, gap."""
     if rates.oscillates or rates.spread * rates.spread < _ALIKE * rates.mobility:
         return _energy_bound(rates, order, z, v, gap)
     power = order + 1
-    bound = abs(modes.lone) * modes.lone_rate**power * decay(modes.lone_rate * t)
-    bound += abs(modes.pair) * modes.pair_rate**power * decay(modes.pair_rate * t)
-    low, high = min(modes.pair_rate, rates.lag), max(modes.pair_rate, rates.lag)
+    bound = abs(amplitudes.lone) * amplitudes.lone_rate**power * decay(amplitudes.lone_rate * t)
+    bound += abs(amplitudes.pair) * amplitudes.pair_rate**power * decay(amplitudes.pair_rate * t)
+    low, high = min(amplitudes.pair_rate, rates.lag), max(amplitudes.pair_rate, rates.lag)
     slower, faster = decay(low * t), decay(high * t)
     apart = (low**power * slower + high**power * faster) / (high - low)
     together = slower * high ** (power - 1) * (power + high * (t + 1.0 / low))
     # Equal rates make the first 0 / 0 or infinite.
-    return bound + abs(modes.driven) * (apart if apart < together else together)
+    return bound + abs(amplitudes.driven) * (apart if apart < together else together)
 
 
 @compiled
@@ -164,7 +166,7 @@ def _energy_bound(rates: Rates, order: int, z: float, v: float, gap: float) -> f
 
 
 @compiled
-def _look(margin: EventFunction, start: Deviation, rates: Rates, over: Propagator, t: float) -> _Look:
+def _look(function: EventFunction, start: Deviation, rates: Rates, over: Propagator, t: float) -> _Look:
     """The event function at `t`, which `over` leads to, with two derivatives, and how far its rounding may reach."""
     z = over.z_z * start.z + over.z_v * start.v + over.z_q * start.gap
     v = over.v_z * start.z + over.v_v * start.v + over.v_q * start.gap
@@ -173,17 +175,17 @@ def _look(margin: EventFunction, start: Deviation, rates: Rates, over: Propagato
     # Propagated rather than made from the forces, which all but cancel in an overdamped body.
     acceleration = over.v_z * start.v + over.v_v * start.acceleration - over.v_q * rates.lag * start.gap
     jerk = rates.mobility * (gap_rate - v - rates.damping * acceleration)
-    if margin.accelerating:
-        value = margin.constant + margin.factor * acceleration
-        slope = margin.factor * jerk
-        bend = margin.factor * rates.mobility * (-rates.lag * gap_rate - acceleration - rates.damping * jerk)
+    if function.accelerating:
+        value = function.constant + function.factor * acceleration
+        slope = function.factor * jerk
+        bend = function.factor * rates.mobility * (-rates.lag * gap_rate - acceleration - rates.damping * jerk)
         terms = abs(over.v_z * start.v) + abs(over.v_v) * start.size + abs(over.v_q * rates.lag * start.gap)
     else:
-        value = margin.constant + margin.drift * t + margin.factor * v
-        slope = margin.drift + margin.factor * acceleration
-        bend = margin.factor * jerk
+        value = function.constant + function.drift * t + function.factor * v
+        slope = function.drift + function.factor * acceleration
+        bend = function.factor * jerk
         terms = abs(over.v_z * start.z) + abs(over.v_v * start.v) + abs(over.v_q * start.gap)
-    noise = _NOISE * (margin.size + abs(margin.drift) * t + abs(margin.factor) * terms)
+    noise = _NOISE * (function.size + abs(function.drift) * t + abs(function.factor) * terms)
     return _Look(value, slope, bend, noise, z, v, gap)
 
 
@@ -197,14 +199,14 @@ def _reach(value: float, slope: float, curvature: float) -> float:
 
 
 @compiled
-def safe_start(margin: EventFunction, start: Deviation, rates: Rates, modes: Modes, slope: float) -> float:
+def safe_start(function: EventFunction, start: Deviation, rates: Rates, amplitudes: Amplitudes, slope: float) -> float:
     """When a function that starts at 0 with the given slope is beyond the reach of rounding, and never was 0 between.
 
     0 where no such time is known.
     """
-    order = 3 if margin.accelerating else 2
-    curvature = abs(margin.factor) * largest_derivative(rates, modes, order, 0.0, start.z, start.v, start.gap)
-    noise = _look(margin, start, rates, _IDENTITY, 0.0).noise
+    order = 3 if function.accelerating else 2
+    curvature = abs(function.factor) * largest_derivative(rates, amplitudes, order, 0.0, start.z, start.v, start.gap)
+    noise = _look(function, start, rates, _IDENTITY, 0.0).noise
     if slope > 0.0 and slope * slope > 2.0 * _CLEAR * noise * curvature:
         return slope / curvature if curvature > 0.0 else math.inf
     return 0.0
@@ -212,10 +214,10 @@ def safe_start(margin: EventFunction, start: Deviation, rates: Rates, modes: Mod
 
 @compiled
 def first_fall(
-    margin: EventFunction,
+    function: EventFunction,
     start: Deviation,
     rates: Rates,
-    modes: Modes,
+    amplitudes: Amplitudes,
     begin: float,
     end: float,
     whole: Propagator,
@@ -225,11 +227,11 @@ def first_fall(
 
     Parameters
     ----------
-    margin : EventFunction
+    function : EventFunction
     start : Deviation
         State at time 0.
     rates : Rates
-    modes : Modes
+    amplitudes : Amplitudes
     begin, end : float
         Where to search.
     whole : Propagator
@@ -245,21 +247,21 @@ def first_fall(
     spent : int
         Evaluations; `budget` where it did not suffice.
     """
-    order = 1 if margin.accelerating else 0
+    order = 1 if function.accelerating else 0
     over = propagator(rates, begin) if begin > 0.0 else _IDENTITY
-    look = _look(margin, start, rates, over, begin)
-    swing = abs(margin.factor) * largest_derivative(rates, modes, order, begin, look.z, look.v, look.gap)
-    if margin.constant + min(margin.drift * begin, margin.drift * end) > swing:
+    look = _look(function, start, rates, over, begin)
+    swing = abs(function.factor) * largest_derivative(rates, amplitudes, order, begin, look.z, look.v, look.gap)
+    if function.constant + min(function.drift * begin, function.drift * end) > swing:
         return math.inf, 1
     moment = begin
     spent = 1
-    last = _look(margin, start, rates, whole, end)
+    last = _look(function, start, rates, whole, end)
     while spent < budget:
         lifted = look.value + look.noise
         if look.value < -_DEPTH * look.noise:
             return moment, spent
-        bound = largest_derivative(rates, modes, order + 2, moment, look.z, look.v, look.gap)
-        curvature = abs(margin.factor) * bound
+        bound = largest_derivative(rates, amplitudes, order + 2, moment, look.z, look.v, look.gap)
+        curvature = abs(function.factor) * bound
         step = _reach(lifted, look.slope, curvature)
         if not moment + step < end:
             return math.inf, spent
@@ -271,20 +273,20 @@ def first_fall(
                 if last.value >= -last.noise:
                     return math.inf, spent
                 high = end
-            return _root(margin, start, rates, look, low, high, spent)
+            return _root(function, start, rates, look, low, high, spent)
         if last.value + last.noise > 0.0:
             back = _reach(last.value + last.noise, -last.slope, curvature)
             if moment + step + back > end:
                 return math.inf, spent
         moment = max(moment + step, moment * (1.0 + 2.0 * np.finfo(np.float64).eps))
-        look = _look(margin, start, rates, propagator(rates, moment), moment)
+        look = _look(function, start, rates, propagator(rates, moment), moment)
         spent += 1
     return moment, budget
 
 
 @compiled
 def _root(
-    margin: EventFunction, start: Deviation, rates: Rates, look: _Look, low: float, high: float, spent: int
+    function: EventFunction, start: Deviation, rates: Rates, look: _Look, low: float, high: float, spent: int
 ) -> tuple[float, int]:
     """The only root in [low, high], where the function falls; the parabola of the present instant, kept inside."""
     moment = low
@@ -308,6 +310,6 @@ def _root(
         if abs(look.value) <= 0.25 * look.noise or abs(following - moment) <= 2.0 * np.finfo(np.float64).eps * moment:
             return following, spent
         moment = following
-        look = _look(margin, start, rates, propagator(rates, moment), moment)
+        look = _look(function, start, rates, propagator(rates, moment), moment)
         spent += 1
     return moment, spent

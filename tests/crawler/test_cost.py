@@ -177,8 +177,10 @@ def steps_by_quadrature(mode, span, tolerance, method):
         (3.0, 1.0, 1e-4, True),
     ],
 )
-def test_steps_through_a_mode_are_the_integral_of_their_density(solver, tolerance, rate, decay, acceleration, lasting):
-    mode = cost.Mode(rate, decay, acceleration, 2.0, lasting)
+def test_steps_through_a_transient_are_the_integral_of_their_density(
+    solver, tolerance, rate, decay, acceleration, lasting
+):
+    mode = cost.Transient(rate, decay, acceleration, 2.0, lasting)
     method = method_of(solver, tolerance)
     expected = steps_by_quadrature(mode, 8.0, tolerance, method)
     assert cost._steps_through(mode, 8.0, method) == pytest.approx(expected, rel=5e-3, abs=1e-6)
@@ -209,12 +211,12 @@ def test_the_pressure_holds_the_body_where_its_forces_balance(duffing, coupling)
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.9, 20.0])
 @pytest.mark.parametrize("motion", [STUCK, FORWARD])
-def test_modes_of_the_body_are_roots_of_its_characteristic_equation(damping, motion):
+def test_transients_of_the_body_are_roots_of_its_characteristic_equation(damping, motion):
     groups = Groups(damping_ratio=damping, duffing=2.0)
     z, r = 0.7, groups.foot_mass_fraction
     mass = 1.0 - r if motion == STUCK else r * (1.0 - r)
     roots = np.roots([mass, 2.0 * damping, 1.0 + 3.0 * 2.0 * z**2])
-    modes = cost._body_modes(coefficients_of(groups, Scene()), motion, z, 1.3, 0.1)
+    modes = cost._body_transients(coefficients_of(groups, Scene()), motion, z, 1.3, 0.1)
     if roots.imag.any():
         only, none = modes
         assert none.rate == 0.0
@@ -261,8 +263,8 @@ def test_predicted_steps_add_up():
     mobility = 1.0 / 0.7
     for solver in ("taylor", "radau"):
         method = method_of(solver, tolerance)
-        fluid = cost.Mode(2.0, 2.0, mobility, mobility, lasting=False)
-        modes = [fluid, *cost._body_modes(coefficients, STUCK, 1.0, 1.0, 0.0)]
+        fluid = cost.Transient(2.0, 2.0, mobility, mobility, lasting=False)
+        modes = [fluid, *cost._body_transients(coefficients, STUCK, 1.0, 1.0, 0.0)]
         expected = 1.0 + sum(cost._steps_through(mode, hold, method) for mode in modes)
         assert predicted_steps(solver, groups, scene, hold, tolerance) == pytest.approx(expected / hold)
     assert predicted_steps("closed_form", groups, scene, hold, tolerance) == 1.0 / hold
