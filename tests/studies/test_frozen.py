@@ -19,7 +19,7 @@ def classes():
                     yield pytest.param(each, id=f"{module.name}.{name}")
 
 
-@pytest.mark.parametrize("each", classes())
+@pytest.mark.parametrize("each", list(classes()))
 def test_dataclasses_are_frozen(each):
     assert each.__dataclass_params__.frozen
 
