@@ -38,11 +38,11 @@ class Parts(NamedTuple):
     # if that is the end of the valve's stretch. `sampled` is the latest sample.
     arrive: Callable[..., Any]
     # ledger, following, length -> Ledger. Add the energies of the step, which has led to the body `following`.
-    account: Callable[..., Any]
+    energies: Callable[..., Any]
     # following, length -> None. Carry the tangents over the step.
-    carry: Callable[..., Any]
+    tangents: Callable[..., Any]
     # following, mode, time -> None. Carry the tangents across the event at its end.
-    saltate: Callable[..., Any]
+    tangents_across: Callable[..., Any]
 
 
 @inlined
