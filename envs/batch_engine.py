@@ -17,18 +17,19 @@ from ..compiling.vectors import aligned_zeros, LANES
 from ..crawler import Groups, Scene
 from ..crawler.batch.advance import lane_workspace
 from ..crawler.closed_form.parts import is_linear
+from ..crawler.cost import cheapest_of_each, PREDICTED
 from ..crawler.model.state import Body, SLIPS
 from ..crawler.refusals import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
 from ..crawler.steps.options import MAX_STEPS
+from ..crawler.steps.propagator import table_shape, tabulate_each
 from ..crawler.steps.workspace import ROWS, WIDTH
 from ..reservoir.prequential_lanes import blank_readouts, forget, packed, Readouts, readouts_of, unpack
-from .batch_kernel import batch_of, Episode, STEP_BATCH
+from .batch_kernel import batch_of, draw_shares, Episode, STEP_BATCH
 from .calibration import calibrated_memory, calibration_valves
 from .infos import COUNTS, NUMBERS
 from .rendering.frame import Frame, frame_of
-from .settings import Choice, Settings
-from .single_kernel import Stepper, stepper_for
+from .settings import Choice, columns_of_numbers, drawn_numbers, numbers_of, Settings
 from .state import CrawlerState
 
 __all__ = ["BatchEngine"]
@@ -67,10 +68,6 @@ class BatchEngine:
     ----------
     batch, results
         See `Batch` and `Results`.
-    crawlers : list of (Groups, Scene)
-        Of the episodes.
-    named : list of (dict, float)
-        The same by name: the groups and the slope.
     generators : list of numpy.random.Generator
         Of each crawler's draws; None where none was asked for yet. Set by `draw_from`.
     seeds : list of int
@@ -86,8 +83,11 @@ class BatchEngine:
         self.batch, self.results = batch_of(count, settings.samples)
         self.generators: list[Any] = [None] * count
         self.seeds: list[int | None] = [None] * count
-        self.crawlers = [(kinds[each].groups, settings.scene) for each in kind.tolist()]
-        self.named: list[tuple[dict[str, float], float]] = [({}, 0.0)] * count
+        self._sources = np.zeros((2, count), np.uint64)  # of the numbers drawn at a reset
+        self._numbers = numbers_of([(each.groups, each.scene) for each in kinds])  # of each kind
+        # Made when they are asked for.
+        self._crawlers: list[tuple[Groups, Scene] | None] = [None] * count
+        self._named: list[tuple[dict[str, float], float] | None] = [None] * count
         self._solvers = np.full(count, "", np.dtype("U11"))
         self._strange = np.zeros(count, np.bool_)  # whose episodes have crawlers that the kinds do not tell
         self._tables: NDArray[np.float64] | None = None
@@ -148,12 +148,14 @@ class BatchEngine:
         self.generators[i], self.seeds[i] = generator, seed
         if self._settings.dither > 0.0:
             self.batch.generators[:, i] = whereabouts(generator)
+        if self._settings.randomize:
+            self._sources[:, i] = whereabouts(generator)
 
     def begin_again(self, mask: NDArray[np.bool_], choices: Sequence[Choice] | None = None) -> None:
         """Start further episodes of the crawlers in the mask."""
         unsettled = mask & (self._strange | (self._solvers == ""))
         if self._settings.randomize or choices is not None or np.count_nonzero(unsettled):
-            self._draw(np.flatnonzero(mask).tolist(), choices)
+            self._draw(np.flatnonzero(mask), choices)
         self.batch.bodies[:, : len(mask)][:, mask] = 0.0
         self.batch.steps[mask] = 0
         self.results.observations[mask] = 0.0
@@ -218,46 +220,75 @@ class BatchEngine:
         """What the last step has told of a crawler: `stickslip.envs.infos.TOLD`."""
         return np.array([*self.results.numbers[: len(NUMBERS), i], *self.results.counts[:, i]])
 
-    def _draw(self, indices: list[int], choices: Sequence[Choice] | None) -> None:
+    def _draw(self, who: NDArray[np.int64], choices: Sequence[Choice] | None) -> None:
         """Settle who crawls where in the episodes to come."""
-        crawlers = []
-        for i in indices:
-            kind = self._kinds[self._kind[i]]
-            crawlers.append(kind.draw(self.generators[i], *(() if choices is None else (choices[i],))))
-            self._strange[i] = choices is not None
-        self._settle(indices, crawlers)
+        self._strange[who] = choices is not None
+        if choices is None:
+            numbers = self._numbers[:, self._kind[who]]
+            shares = np.empty((len(self._settings.randomize), len(who)))
+            if len(shares):
+                draw_shares(self._sources, who, shares)
+            self._settle(who, drawn_numbers(self._settings, numbers, shares))
+            return
+        kinds = self._kinds_of(who.tolist())
+        generators = [self.generators[i] for i in who.tolist()]
+        chosen = [choices[i] for i in who.tolist()]
+        crawlers = [kind.draw(*each) for kind, *each in zip(kinds, generators, chosen, strict=True)]
+        self._settle(who, numbers_of(crawlers))
 
-    def _settle(self, indices: list[int], crawlers: Sequence[tuple[Groups, Scene]]) -> None:
-        """Let these crawlers be others, each solved by what solves it best."""
+    def _settle(self, who: NDArray[np.int64], numbers: NDArray[np.float64]) -> None:
+        """Let these crawlers be others, each solved by what solves it best; `numbers` as from `numbers_of`."""
         settings = self._settings
         if self._alike and self._strange.any():
             self._alike = False
             if self._tables is not None:
                 self._tables = np.repeat(self._tables, len(self._kind), axis=0)
-        solving: dict[tuple[Groups, Scene], Stepper] = {}
-        for i, crawler in zip(indices, crawlers, strict=True):
-            if crawler not in solving:
-                solving[crawler] = stepper_for(settings, *crawler)
-            stepper = solving[crawler]
-            groups, slope = crawler[0].to_dict(), crawler[1].slope
-            self.crawlers[i], self.named[i] = crawler, (groups, slope)
-            self.results.numbers[len(NUMBERS) :, i] = *groups.values(), slope
-            self.batch.coefficients[:, i] = stepper.fixed[: len(self.batch.coefficients)]
-            self._solvers[i] = stepper.solver
-            if stepper.solver == "closed_form":
+        for i in who.tolist():
+            self._crawlers[i] = self._named[i] = None
+        self.results.numbers[len(NUMBERS) :, who] = numbers
+        columns = columns_of_numbers(settings.scene, numbers)
+        self.batch.coefficients[:, who] = columns
+        holds, units = np.full(len(who), settings.hold), np.ones(len(who))
+        self._solvers[who] = np.array(PREDICTED)[cheapest_of_each(columns, holds, units, settings.tolerance)]
+        linear = who[self._solvers[who] == "closed_form"]
+        if len(linear):
+            if self._tables is None:
                 places = 1 if self._alike else len(self._kind)
-                if self._tables is None:
-                    self._tables = np.zeros((places, *stepper.workspace.shape))
-                self._tables[i % places] = stepper.workspace
+                self._tables = np.zeros((places, *table_shape(settings.samples)))
+            # One table serves crawlers that are all alike.
+            some = linear[: len(self._tables)] if len(self._tables) == 1 else linear
+            tabulate_each(self.batch.coefficients, some, settings.hold, settings.samples, self._tables)
         names = sorted(set(self._solvers.tolist()) - {""})  # which have none yet
         self._methods = [
             (name, None if len(names) == 1 else self._solvers != name, SOLVERS[name].options(settings.tolerance))
             for name in names
         ]
 
+    def crawler_of(self, i: int) -> tuple[Groups, Scene]:
+        """Who crawls where in the episode of crawler `i`; of its kind where no episode has begun."""
+        if self._solvers[i] == "":
+            kind = self._kinds[self._kind[i]]
+            return kind.groups, kind.scene
+        crawler = self._crawlers[i]
+        if crawler is None:
+            *groups, slope = self.results.numbers[len(NUMBERS) :, i].tolist()
+            crawler = self._crawlers[i] = Groups(*groups), replace(self._settings.scene, slope=slope)
+        return crawler
+
+    @property
+    def named(self) -> list[tuple[dict[str, float], float]]:
+        """Groups by name, and slope, of each crawler's episode."""
+        known: list[tuple[dict[str, float], float]] = []
+        for i, each in enumerate(self._named):
+            if each is None:
+                *groups, slope = self.results.numbers[len(NUMBERS) :, i].tolist()
+                each = self._named[i] = dict(zip(Groups.__slots__, groups, strict=True)), slope
+            known.append(each)
+        return known
+
     def save(self, i: int, over: bool, generator: bool) -> CrawlerState:
         """State of crawler `i`, as it is known from outside whether its episode is over."""
-        groups, scene = self.crawlers[i]
+        groups, scene = self.crawler_of(i)
         return CrawlerState(
             self.settings_of_each[i],
             groups,
@@ -283,9 +314,9 @@ class BatchEngine:
                 whose.setdefault(id(state), []).append(i)
                 crawler, kind = (state.groups, state.scene), self._kinds[self._kind[i]]
                 self._strange[i] = crawler != (kind.groups, kind.scene)
-                if self._solvers[i] == "" or self.crawlers[i] != crawler:
+                if self._solvers[i] == "" or self.crawler_of(i) != crawler:
                     others[i] = crawler
-        self._settle(list(others), list(others.values()))
+        self._settle(np.array(list(others), np.int64), numbers_of(list(others.values())))
         for indices in whose.values():
             state = states[indices[0]]
             assert state is not None
@@ -354,7 +385,7 @@ class BatchEngine:
         gained = int(self.batch.bodies[SLIPS, i]) - int(self.results.counts[COUNTS.index("slips"), i])
         deformation = float(self.batch.bodies[0, i])
         status, tolerance, solver = int(self.results.statuses[i]), self._settings.tolerance, str(self._solvers[i])
-        groups, scene = self.crawlers[i]
+        groups, scene = self.crawler_of(i)
         error = solver_error(status, reached, deformation, MAX_STEPS, groups, scene, tolerance, solver, gained, began)
         return SolverError(f"sub-environment {self._names[i]}: {error}")
 

@@ -19,7 +19,7 @@ from .observation import observe, seen_at_rest
 from .reward import reward, surprise
 from .transition import Transition
 
-__all__ = ["STEP_BATCH", "Batch", "Episode", "Results", "batch_of"]
+__all__ = ["STEP_BATCH", "Batch", "Episode", "Results", "batch_of", "draw_shares"]
 
 Array = NDArray[np.float64]
 
@@ -81,6 +81,23 @@ def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
         np.zeros(count),
     )
     return batch, results
+
+
+@compiled
+def draw_shares(sources: NDArray[np.uint64], who: NDArray[np.int64], shares: Array) -> None:
+    """Draw numbers in [0, 1) for some crawlers, each its own from its own generator.
+
+    Parameters
+    ----------
+    sources : (2, n) array
+        Where each crawler's random numbers come from, see `stickslip.compiling.generators`.
+    who : (m,) array
+    shares : (k, m) array
+        Receives k numbers of each.
+    """
+    for j in range(len(who)):
+        for k in range(len(shares)):
+            shares[k, j] = next_uniform(sources[0, who[j]], sources[1, who[j]])
 
 
 @merged

@@ -5,14 +5,24 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.validation import known_names, number_within, whole_number
 from ..crawler import Groups, GroupsLike, Scene
+from ..crawler.model.columns import columns_of
 from ..crawler.model.groups import RANGES
 from ..crawler.model.variations import Range, variations, varied
 from ..crawler.simulation import TOLERANCES
 
-__all__ = ["CRAWLER_OPTIONS", "Choice", "Settings", "known_options"]
+__all__ = [
+    "CRAWLER_OPTIONS",
+    "Choice",
+    "Settings",
+    "columns_of_numbers",
+    "drawn_numbers",
+    "known_options",
+    "numbers_of",
+]
 
 # Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
 _HOLDS = "(0, 10000]"
@@ -32,6 +42,7 @@ class Choice(NamedTuple):
 
 
 _NOTHING = Choice({}, None)
+_NUMBERED = (*RANGES, _SLOPE)
 
 
 @dataclass(frozen=True)
@@ -138,6 +149,43 @@ class Settings:
         settled = {} if choice.slope is None else {_SLOPE: choice.slope}
         groups, scene, _ = varied(self.groups, self.scene, self.hold, {**drawn, **choice.groups, **settled})
         return groups, scene
+
+
+def numbers_of(crawlers: Sequence[tuple[Groups, Scene]]) -> NDArray[np.float64]:
+    """Groups and slope of n crawlers, in the order of `randomize`; shape (8, n)."""
+    rows = [(*groups.to_dict().values(), scene.slope) for groups, scene in crawlers]
+    return np.array(rows, np.float64).reshape(len(rows), len(_NUMBERED)).T
+
+
+def drawn_numbers(settings: Settings, numbers: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What `Settings.draw` draws for each of n crawlers.
+
+    Parameters
+    ----------
+    settings : Settings
+    numbers : (8, n) array
+        Of the crawlers' kinds, as from `numbers_of`.
+    shares : (k, n) array
+        Uniform random numbers of each crawler's own, one for each of `randomize`.
+
+    Returns
+    -------
+    (8, n) array
+    """
+    drawn = numbers.copy()
+    for (name, each), of_each in zip(settings.randomize.items(), shares, strict=True):
+        # A power of an array may differ in the last bit from one of a number.
+        span = each.high - each.low
+        drawn[_NUMBERED.index(name)] = (
+            [each.at(share) for share in of_each.tolist()] if each.log else each.low + of_each * span
+        )
+    return drawn
+
+
+def columns_of_numbers(scene: Scene, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Coefficients, a crawler a column, of what `numbers_of` tells of each in the scene but for its slope."""
+    *groups, slope = numbers
+    return columns_of(dict(zip(RANGES, groups, strict=True)), {**scene.to_dict(), _SLOPE: slope}, numbers.shape[1])
 
 
 def known_options(options: dict[str, Any] | None, allowed: Sequence[str]) -> dict[str, Any]:

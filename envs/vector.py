@@ -382,7 +382,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         """Crawler and world of a sub-environment's episode."""
         if not self._begun[index]:
             raise AttributeError("no episode has begun, and no crawler been settled; call reset first")
-        return self._engine.crawlers[index]
+        return self._engine.crawler_of(index)
 
     def reset_one(
         self, index: int, seed: int | None = None, options: dict[str, Any] | None = None

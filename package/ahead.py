@@ -55,6 +55,7 @@ def uses() -> Iterator[tuple[str, Callable[[], object]]]:
         yield f"environment, {name}", partial(_environment, remembering)
         yield f"batch, {name}", partial(_batch, remembering)
         yield f"batch without memory, {name}", partial(_batch, {**remembering, "dither": 0.0, "memory_weight": 0.0})
+    yield "episodes drawn", partial(_batch, {"groups": _LINEAR, "randomize": {"deborah": (0.3, 0.7)}})
     yield "recursive least squares", _readout
     yield "memory reward", _memory_reward
     yield "echo-state network", partial(EchoStateNetwork(1).states, [0.0])

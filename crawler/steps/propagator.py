@@ -19,11 +19,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiling.compilation import allocating, compiled
+from ..model.columns import coefficients_at
 from ..model.equations import mobility_of
 from ..model.state import Coefficients, FORWARD, STUCK
 from .workspace import CHANGES
 
-__all__ = ["ENTRIES", "Propagator", "Rates", "decay", "propagator", "rates_of", "tabulate", "tabulated"]
+__all__ = [
+    "ENTRIES",
+    "Propagator",
+    "Rates",
+    "decay",
+    "propagator",
+    "rates_of",
+    "table_shape",
+    "tabulate",
+    "tabulate_each",
+    "tabulated",
+]
 
 # Arithmetic on the denormal numbers beyond takes a hundred times as long.
 _FAINTEST_EXPONENT = 575.0
@@ -193,6 +205,24 @@ def tabulate(coefficients: Coefficients, hold: float, count: int) -> NDArray[np.
             for i in range(ENTRIES):
                 table[sliding * count + j, i] = entries[i]
     return table
+
+
+@allocating
+def tabulate_each(
+    columns: NDArray[np.float64], who: NDArray[np.int64], hold: float, count: int, tables: NDArray[np.float64]
+) -> None:
+    """Write the tables of some crawlers, whose coefficients are columns, each at its place.
+
+    Where there is but one table all share it.
+    """
+    for k in range(len(who)):
+        i = who[k]
+        tables[i % len(tables)] = tabulate(coefficients_at(columns, i), hold, count)
+
+
+def table_shape(count: int) -> tuple[int, int]:
+    """Shape of :func:`tabulate`'s table."""
+    return 2 * count + CHANGES, ENTRIES
 
 
 @compiled
