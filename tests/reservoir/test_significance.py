@@ -102,7 +102,11 @@ def hosking(values, significance):
     return start + (scale * (1 - beyond**k) / k if k < 0 else -scale * np.log(beyond))
 
 
-@pytest.mark.parametrize("law", [stats.t(3), stats.expon(), stats.uniform(), stats.genpareto(0.4)], ids=str)
+@pytest.mark.parametrize(
+    "law",
+    [stats.t(3), stats.expon(), stats.uniform(), stats.genpareto(0.4)],
+    ids=["Student", "exponential", "uniform", "Pareto"],
+)
 def test_a_fitted_tail_is_that_of_hosking_and_wallis(law):
     """No shorter than an exponential one."""
     values = law.rvs(1234, random_state=np.random.default_rng(0))

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from cases import run
+from lane_batches import alone, Batch, taylor
 from modal_judge import modal_judge
-from test_lanes import alone, Batch, taylor
 
 from stickslip.crawler import ChainState, Groups, Scene, simulate, State
 from stickslip.crawler.model.state import BACKWARD, Body, coefficients_of, FORWARD, STUCK
