@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from threading import Event
 from typing import TypeVar
@@ -55,14 +55,13 @@ def share(work: Callable[[Job, Event], Result], jobs: Sequence[Job], threads: in
         take()
     else:
         with ThreadPoolExecutor(helpers, "stickslip") as pool:
-            others = [pool.submit(take) for _ in range(helpers)]
             try:
+                # An interrupt that comes here has to stop those who have begun; the pool waits for them.
+                others = [pool.submit(take) for _ in range(helpers)]
                 take()
                 for other in others:
                     other.result()
             except BaseException:
                 over.set()
                 raise
-            finally:
-                wait(others)
     return [results[k] for k in range(len(jobs))]

@@ -15,6 +15,7 @@ __all__ = ["SolverError", "solver_error"]
 _ABSURD = 15.0
 # Slips in a period of the body's fastest oscillation that it cannot make by swinging.
 _MANY_SLIPS = 10.0
+_TAKE_RADAU = "solver='radau'"
 
 
 class SolverError(RuntimeError):
@@ -64,6 +65,7 @@ def solver_error(
     fastest = fastest_rate(groups, scene, deformation)
     cause, remedies = _spent(absurd, fastest, time - began, slips, tolerance, solver)
     if is_chain(scene):
+        remedies = [remedy for remedy in remedies if remedy != _TAKE_RADAU]  # which takes no chain
         remedies = [f"fewer segments than {scene.segments}", f"more tube_mass than {scene.tube_mass!r}", *remedies]
     return SolverError(
         f"the step budget of {steps} was spent {where} by solver {solver!r} at tolerance {tolerance:g}: "
@@ -90,7 +92,7 @@ def _spent(
         return f"{acts}: {swings:.3g} real swings so far, which no solver may skip", [*remedies, "a shorter schedule"]
     # Radau would hold fast what grows, and damp what swings on.
     if solver == "taylor" and not alive:
-        return f"{acts}, which is too stiff for this solver", ["solver='radau'", *remedies, "less of that"]
+        return f"{acts}, which is too stiff for this solver", [_TAKE_RADAU, *remedies, "less of that"]
     return acts, [*remedies, "less of that"]
 
 

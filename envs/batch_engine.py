@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
@@ -180,17 +180,16 @@ class BatchEngine:
         """
         self._interrupted = False
         first, *rest = self._slices
-        others = [self._threads().submit(self._step_slice, commands, idle, each) for each in rest]
         try:
+            others = [self._threads().submit(self._step_slice, commands, idle, each) for each in rest]
             self._step_slice(commands, idle, first)
+            for other in others:
+                other.result()
         except BaseException:
+            # Nobody steps any more when this has ended, not even who was called while the interrupt came.
             self._interrupted = True
+            self.close()
             raise
-        finally:
-            if others:
-                wait(others)  # however this ends, nobody steps any more when it has
-        for other in others:
-            other.result()
         if np.count_nonzero(self.results.statuses):
             failed = np.flatnonzero(self.results.statuses)
             raise self._error(int(failed[0]))

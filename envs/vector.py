@@ -229,7 +229,8 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             self._pending = ended
         elif np.count_nonzero(ended) > 0:
             last |= {"final_obs": _rows(results.observations, ended), "_final_obs": ended.copy()}
-            last |= {"final_info": self._told(ended), "_final_info": ended.copy()}
+            # The next episodes are about to be told in the same places.
+            last |= {"final_info": self._told(ended, copy=True), "_final_info": ended.copy()}
             self._engine.begin_again(ended)
         infos = self._told(self._all) | last
         if self.render_mode == "human":
@@ -437,11 +438,13 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.copy() if self._copy else array
 
-    def _told(self, mask: NDArray[np.bool_]) -> dict[str, Any]:
+    def _told(self, mask: NDArray[np.bool_], *, copy: bool = False) -> dict[str, Any]:
         """Infos in Gymnasium's form: zero, and not in the mask beside them, for those who do not have them."""
         results = self._engine.results
         if np.count_nonzero(mask) == len(mask):
-            numbers, counts = self._own(results.numbers), self._own(results.counts)
+            numbers, counts = (
+                array.copy() if copy else self._own(array) for array in (results.numbers, results.counts)
+            )
         else:
             numbers, counts = np.where(mask, results.numbers, 0.0), np.where(mask, results.counts, 0)
         # Rows of one array, which cost a third of an array each.

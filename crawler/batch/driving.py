@@ -57,11 +57,11 @@ def drive_in_lanes(
     list of Log
         Those of one crawler in order of time.
     """
-    failed = Event()
+    failures: list[int] = []  # where the parts begin that hold one
 
     def work(part: slice, over: Event) -> list[Log]:
         logs: list[Log] = []
-        if failed.is_set():
+        if any(begin < part.start for begin in failures):
             return logs
         queue = crawlers[part]
         duties = schedule[queue].astype(np.float64)
@@ -77,7 +77,7 @@ def drive_in_lanes(
             if state[0, ACTIVE] == 0:
                 break
             if (runs.statuses[queue] > FINISHED).any():
-                failed.set()
+                failures.append(part.start)
                 state[0, ADMITTED] = state[0, QUEUED]  # those who are in may fail too, and one of them be the first
         return logs
 

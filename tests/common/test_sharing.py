@@ -2,6 +2,7 @@
 
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -42,6 +43,25 @@ def test_what_one_job_raises_stops_the_others_and_is_raised(where):
     assert threading.active_count() == 1 or not any(
         thread.name.startswith("stickslip_") for thread in threading.enumerate()
     )
+
+
+def test_an_interrupt_while_others_are_called_stops_those_who_have_begun(monkeypatch):
+    stopped = []
+
+    def submit(pool, work):
+        submit_one(pool, work)
+        assert begun.wait(20.0)
+        raise KeyboardInterrupt
+
+    def work(_job, over):
+        begun.set()
+        stopped.append(over.wait(5.0))
+
+    begun, submit_one = threading.Event(), ThreadPoolExecutor.submit
+    monkeypatch.setattr(ThreadPoolExecutor, "submit", submit)
+    with pytest.raises(KeyboardInterrupt):
+        share(work, range(4), 2)
+    assert stopped == [True]
 
 
 def test_processors_are_counted():

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from stickslip.crawler import Groups, Scene, simulate, simulation, SolverError, State
+from stickslip.crawler import batch_simulation, Groups, Scene, simulate, SolverError, State
 from stickslip.crawler.loop import advance
 from stickslip.crawler.model.state import Body, coefficients_of, NOTHING_YET, STUCK
 from stickslip.crawler.refusals import solver_error
@@ -200,6 +200,13 @@ def test_damping_that_is_too_stiff_for_a_series_is_left_to_radau():
     says = refusal(Groups(damping_ratio=1e4), [1], 100.0, max_steps=20_000, solver="taylor")
     assert re.search(r"the damping over a .* too stiff for this solver; take solver='radau', a larger max_steps", says)
     assert "too stiff" not in refusal(Groups(damping_ratio=1e4), [1], 100.0, max_steps=5, solver="radau")
+
+
+def test_a_chain_is_not_told_to_take_a_solver_that_refuses_it():
+    chain = Scene(segments=7, tube_mass=0.3)
+    says = refusal(Groups(damping_ratio=100.0), [1], 10.0, max_steps=20, scene=chain, tolerance=1e-12)
+    assert "too stiff for this solver; take fewer segments than 7, more tube_mass than 0.3, a larger max_steps" in says
+    assert "radau" not in says
 
 
 def test_slips_that_accumulate_are_told_by_their_number():
@@ -460,13 +467,13 @@ def test_a_body_is_followed_up_to_1e12_units(solver):
 
 
 def test_slips_of_the_run_are_told(monkeypatch):
-    honest = simulation.run_crawler
+    honest = batch_simulation.run_crawler
 
     def spent(*given):
         outcome, *more = honest(*given)
         return outcome._replace(status=OUT_OF_STEPS, body=outcome.body._replace(slips=40_000)), *more
 
-    monkeypatch.setattr(simulation, "run_crawler", spent)
+    monkeypatch.setattr(batch_simulation, "run_crawler", spent)
     assert re.search(r": 40000 slips have accumulated, ", refusal({}, [1, 0], 1.0))
 
 

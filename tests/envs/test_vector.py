@@ -3,6 +3,9 @@
 import copy
 import pickle
 import re
+import threading
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import gymnasium as gym
 import numpy as np
@@ -15,6 +18,7 @@ from hypothesis import strategies as st
 
 from stickslip.crawler import SolverError
 from stickslip.envs import StickSlipCrawlerVectorEnv
+from stickslip.envs.batch_engine import BatchEngine
 
 NAME = "StickSlipCrawler-v0"
 SPEED_ONLY = {"dither": 0.0, "memory_weight": 0.0}
@@ -224,6 +228,14 @@ def test_without_copies_the_next_step_overwrites_what_was_returned():
         assert answer[0] is observations
 
 
+def test_without_copies_what_the_last_step_of_all_has_told_outlives_the_reset_in_the_same_step():
+    arguments = {"max_episode_steps": 2, "autoreset_mode": "SameStep", "randomize": {"duffing": [0, 1]}}
+    batch, twin = make_vec(5, copy=False, **arguments), make_vec(5, **arguments)
+    assert_same(batch.reset(seed=0), twin.reset(seed=0))
+    for _ in range(4):
+        assert_same(batch.step(np.ones(5, int)), twin.step(np.ones(5, int)))
+
+
 def test_what_the_caller_does_to_the_arrays_does_not_matter():
     batch, twin = make_vec(5, max_episode_steps=3), make_vec(5, max_episode_steps=3)
     for each in (batch, twin):
@@ -245,6 +257,34 @@ def test_without_copies_a_caller_who_adds_up_the_ends_in_place_ends_nothing():
         terminations = batch.step([1, 1])[2]
         assert not terminations.any()
         terminations |= True
+
+
+@pytest.mark.parametrize("when", ["called", "awaited"])
+def test_nobody_steps_any_more_after_an_interrupt(monkeypatch, when):
+    batch = make_vec(300, threads=2)
+    batch.reset(seed=0)
+    here, called = threading.get_ident(), []
+
+    def submit(pool, *work):
+        called.append(submit_one(pool, *work))
+        if when == "called":
+            raise KeyboardInterrupt
+        return called[-1]
+
+    def interrupted(future):
+        raise KeyboardInterrupt
+
+    submit_one = ThreadPoolExecutor.submit
+    with monkeypatch.context() as patch:
+        patch.setattr(ThreadPoolExecutor, "submit", submit)
+        patch.setattr(Future, "result", interrupted)
+        patch.setattr(BatchEngine, "_step_slice", lambda *_: threading.get_ident() == here or time.sleep(0.2))
+        with pytest.raises(KeyboardInterrupt):
+            batch.step(np.ones(300, int))
+        assert [each.done() for each in called] == [True]
+    twin = make_vec(300, threads=1)
+    assert_same(batch.reset(seed=0), twin.reset(seed=0))
+    assert_same(batch.step(np.ones(300, int)), twin.step(np.ones(300, int)))
 
 
 @pytest.mark.parametrize("twin_of", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])

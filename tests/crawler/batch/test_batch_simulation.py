@@ -1,6 +1,7 @@
 """A batch that is simulated against its rows, each simulated alone: every number, to the last bit."""
 
 import warnings
+from threading import Event
 
 import numpy as np
 import pytest
@@ -147,6 +148,20 @@ def test_the_first_row_that_fails_is_told_whatever_fails_first(monkeypatch, thre
     with pytest.raises(SolverError) as caught:
         simulate(groups, [1], [1.0] * LANES + [1e5] * (3 * LANES), **arguments, threads=threads)
     assert str(caught.value) == f"crawler {LANES + 1}: {alone.value}"
+
+
+def test_a_part_that_is_late_to_begin_still_tells_its_failure_before_those_of_later_rows(monkeypatch):
+    def last_first(work, jobs, _threads):
+        over = Event()
+        return [work(job, over) for job in reversed(jobs)][::-1]
+
+    monkeypatch.setattr(driving, "_LEAST_HOLDS", 0)
+    monkeypatch.setattr(driving, "_CROWD", LANES)
+    monkeypatch.setattr(driving, "share", last_first)
+    groups = [Groups()] * (2 * LANES)
+    groups[1] = groups[LANES + 3] = Groups(duffing=0.0, radial_coupling=2.0)
+    with pytest.raises(SolverError, match=r"^crawler 1: "):
+        simulate(groups, [1], 1e3, tolerance=1e-6, solver="taylor", threads=2)
 
 
 def test_a_budget_is_each_rows_own():
