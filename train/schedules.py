@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from ..crawler import GroupsLike, Scene, simulate
 from ..reservoir import memory_capacity, MemoryCapacity
 from ..tasks import body_states, dithered, innovation
 
-__all__ = ["Performance", "necklaces", "pareto_front", "performance", "repeat"]
+__all__ = ["Performance", "necklaces", "pareto_front", "performance", "performances", "repeat"]
 
 
 class Performance(NamedTuple):
@@ -24,9 +24,9 @@ class Performance(NamedTuple):
     """Held-out memory capacity for the flips; None where there were none."""
 
 
-def performance(
-    command: NDArray[np.int64],
-    valve: NDArray[np.int64],
+def performances(
+    commands: NDArray[np.int64],
+    valves: NDArray[np.int64],
     *,
     dither: float,
     groups: GroupsLike,
@@ -35,29 +35,50 @@ def performance(
     delays: int = 20,
     virtual_nodes: int = 4,
     tolerance: float = 1e-6,
-) -> Performance:
-    """Speed and memory of a crawler whose valve was commanded, and flipped, like this.
+) -> list[Performance]:
+    """Speed and memory of crawlers whose valves were commanded, and flipped, like this: all of them move as one batch.
 
     Parameters
     ----------
-    command, valve : (holds,) arrays of 0 and 1
+    commands, valves : (schedules, holds) arrays of 0 and 1
         What was asked for, and what came of it. With dither the memory is held out on the second half of them.
     dither : float, in [0, 1/2]
         Probability with which they differ.
     groups, hold, scene, tolerance
-        As in `simulate`.
+        As in `simulate`, the same for all.
     delays, virtual_nodes : int, >= 1
         As in the environment.
 
     Returns
     -------
+    list of Performance
+        One a schedule.
+    """
+    motions = simulate(groups, valves, hold, scene=scene, tolerance=tolerance, samples_per_hold=virtual_nodes)
+    speeds = (motions.foot[:, -1] / (valves.shape[1] * hold)).tolist()
+    if number_within("dither", dither, "[0, 0.5]") == 0.0:
+        return [Performance(speed, None) for speed in speeds]
+    return [
+        Performance(speed, memory_capacity(states, innovation(valve, command, dither), delays))
+        for speed, states, valve, command in zip(speeds, body_states(motions), valves, commands, strict=True)
+    ]
+
+
+def performance(command: NDArray[np.int64], valve: NDArray[np.int64], **settings: Any) -> Performance:
+    """Speed and memory of one crawler: see `performances`.
+
+    Parameters
+    ----------
+    command, valve : (holds,) arrays of 0 and 1
+    **settings
+        As for `performances`.
+
+    Returns
+    -------
     Performance
     """
-    motion = simulate(groups, valve, hold, scene=scene, tolerance=tolerance, samples_per_hold=virtual_nodes)
-    speed = float(motion.foot[-1] / (len(valve) * hold))
-    if number_within("dither", dither, "[0, 0.5]") == 0.0:
-        return Performance(speed, None)
-    return Performance(speed, memory_capacity(body_states(motion), innovation(valve, command, dither), delays))
+    [result] = performances(np.asarray(command)[None], np.asarray(valve)[None], **settings)
+    return result
 
 
 def repeat(word: str, holds: int, *, dither: float = 0.0, seed: int = 0) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

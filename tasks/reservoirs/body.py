@@ -266,11 +266,11 @@ def body_states(motion: Trajectory) -> NDArray[np.float64]:
     Parameters
     ----------
     motion : Trajectory
-        Of one crawler.
 
     Returns
     -------
-    ndarray of shape (holds, 3 * samples_per_hold)
+    ndarray of shape (holds, 3 * samples_per_hold), or (batch, holds, 3 * samples_per_hold)
         Deformations come first, then velocities, then pressures, each in order of time.
     """
-    return np.hstack([getattr(motion, reading).reshape(len(motion.valve), -1) for reading in READINGS])
+    readings = [getattr(motion, reading) for reading in READINGS]
+    return np.concatenate([each.reshape(*motion.valve.shape, -1) for each in readings], axis=-1)

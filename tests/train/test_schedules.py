@@ -5,7 +5,8 @@ import pytest
 
 from stickslip.crawler import Groups, Scene, simulate
 from stickslip.reservoir import memory_capacity
-from stickslip.train.schedules import necklaces, pareto_front, performance, repeat
+from stickslip.tasks import body_states, innovation
+from stickslip.train.schedules import necklaces, pareto_front, performance, performances, repeat
 
 
 def moreau(n):
@@ -145,3 +146,18 @@ def test_every_point_is_beaten_by_or_on_the_front():
         assert any((corner >= point).all() for corner in front)
     for corner in front:
         assert not any((point >= corner).all() and (point > corner).any() for point in points)
+
+
+def test_many_schedules_come_to_what_each_comes_to_alone():
+    settings = {"dither": 0.1, "groups": Groups(), "hold": 0.5, "scene": Scene(), "delays": 5}
+    commands, valves = (
+        np.array(each)
+        for each in zip(*(repeat(word, 400, dither=0.1, seed=3) for word in ("1", "10", "11100")), strict=True)
+    )
+    many = performances(commands, valves, **settings)
+    for command, valve, one in zip(commands, valves, many, strict=True):
+        motion = simulate(Groups(), valve, 0.5, samples_per_hold=4, tolerance=1e-6)
+        assert one.speed == motion.foot[-1] / 200.0
+        alone = memory_capacity(body_states(motion), innovation(valve, command, 0.1), 5)
+        np.testing.assert_array_equal(one.memory.profile, alone.profile)
+    assert [one.memory for one in performances(commands, commands, **settings | {"dither": 0.0})] == [None] * 3
