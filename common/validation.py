@@ -34,6 +34,8 @@ def finite_array(name: str, value: ArrayLike, ndim: int | tuple[int, ...]) -> ND
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
         raise TypeError(f"{name} must be an array of real numbers, got {value!r}") from None
+    except OverflowError:  # a whole number beyond all floats
+        raise ValueError(f"{name} must be finite, got a whole number beyond the floats") from None
     allowed = (ndim,) if isinstance(ndim, int) else ndim
     if array.ndim not in allowed or array.size == 0:
         wanted = " or ".join(f"{n}-dimensional" for n in allowed)

@@ -133,7 +133,7 @@ def drive_batch(
 
 def _runs(batch: Batch, body: Body, samples_per_hold: int, max_steps: int | None) -> Runs:
     count, holds = batch.schedule.shape
-    budgets = np.full(count, max_steps or 0)
+    budgets = np.full(count, min(max_steps or 0, np.iinfo(np.int64).max), np.int64)
     if max_steps is None:
         work = MAX_STEPS + STEPS_A_HOLD * holds
         budgets[:] = work // max(1, batch.scenes[0].segments // _SEGMENTS_A_STEP)

@@ -101,7 +101,7 @@ def simulate(
     """
     batch, single = _batch(groups, valve, hold, scene)
     tolerance = number_within("tolerance", tolerance, TOLERANCES)
-    if solver != AUTO and solver not in SOLVERS:
+    if not isinstance(solver, str) or (solver != AUTO and solver not in SOLVERS):
         raise ValueError(f"solver must be one of {[AUTO, *SOLVERS]}, got {solver!r}")
     samples_per_hold = whole_number("samples_per_hold", samples_per_hold, 1)
     if type(condition) is not bool and not isinstance(condition, np.bool_):

@@ -45,6 +45,8 @@ REFUSED = [
         )
         for solver in ("radau", "closed_form")
     ],
+    ("solver", {"solver": ["taylor"]}, ValueError, r"'auto', 'closed_form', 'taylor', 'radau'.*got \['taylor'\]$"),
+    ("hold", {"hold": [10**400]}, ValueError, r"^hold must be finite, got "),
     ("solver", {"solver": None}, ValueError, r"'auto', 'closed_form', 'taylor', 'radau'.*got None"),
     *[("samples_per_hold", {"samples_per_hold": bad}, ValueError, r">= 1, got ") for bad in (0, -3)],
     *[("samples_per_hold", {"samples_per_hold": bad}, TypeError, r">= 1, got ") for bad in (True, 1.0, "2", None)],
@@ -200,6 +202,12 @@ def test_damping_that_is_too_stiff_for_a_series_is_left_to_radau():
     says = refusal(Groups(damping_ratio=1e4), [1], 100.0, max_steps=20_000, solver="taylor")
     assert re.search(r"the damping over a .* too stiff for this solver; take solver='radau', a larger max_steps", says)
     assert "too stiff" not in refusal(Groups(damping_ratio=1e4), [1], 100.0, max_steps=5, solver="radau")
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_a_budget_beyond_all_whole_numbers_of_the_machine_is_no_bound(rows):
+    found = simulate([{}] * rows, [1, 0], 1.0, solver="taylor", max_steps=10**30)
+    np.testing.assert_array_equal(found.foot[0], simulate({}, [1, 0], 1.0, solver="taylor").foot)
 
 
 def test_a_chain_is_not_told_to_take_a_solver_that_refuses_it():
