@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiling.compilation import compiled, formula
-from .model.columns import coefficients_at
-from .model.equations import mobility_of
+from .model.columns import coefficients_at, is_linear_at
+from .model.equations import force, mobility_of, stiffness_at
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Coefficients, coefficients_of, FORWARD, STUCK
@@ -85,9 +85,9 @@ class Method(NamedTuple):
 
 @formula
 def rates(coefficients: Coefficients, mode: int, deformation: float) -> Rates:
-    """Rates of the body about a deformation; K = 1 + 3 Pi1 z^2."""
+    """Rates of the body about a deformation, without pressure."""
     mobility = mobility_of(coefficients, mode)
-    stiffness = 1.0 + 3.0 * coefficients.duffing * deformation**2
+    stiffness = stiffness_at(coefficients, deformation, 0.0)
     return Rates(math.sqrt(mobility * stiffness), mobility * coefficients.damping)
 
 
@@ -190,8 +190,7 @@ def _choose(
     choices: NDArray[np.int8],
 ) -> None:
     for i in range(len(holds)):
-        linear = columns[0, i] == 0.0 and columns[3, i] == 0.0
-        first = _CLOSED_FORM if linear else _TAYLOR
+        first = _CLOSED_FORM if is_linear_at(columns, i) else _TAYLOR
         _predict(columns, holds, spells, order, stages, tolerance, i, predictions)
         best = first
         for solver in range(first + 1, len(PREDICTED)):
@@ -269,18 +268,20 @@ def _steps_of(
 
 @formula
 def _held_stretch(coefficients: Coefficients) -> float:
-    """Deformation at which the full pressure holds the body: the root of Pi1 z^3 + (1 - Pi5) z = 1.
+    """Deformation at which the full pressure holds the body: the root of its force at rest.
 
     Where nothing would hold it, that of a body without radial coupling.
     """
     cubic, linear = coefficients.duffing, 1.0 - coefficients.radial_coupling
-    if cubic == 0.0:
-        return 1.0 / linear if linear > 0.0 else 1.0
-    alone = cubic ** (-1.0 / 3.0)
+    if cubic == 0.0 and linear <= 0.0:
+        return 1.0
+    alone = cubic ** (-1.0 / 3.0) if cubic > 0.0 else math.inf
     z = min(alone, 1.0 / linear) if linear > 0.0 else alone + math.sqrt(-linear) / math.sqrt(cubic)
     for _ in range(_REFINEMENTS):
-        square = cubic * z * z
-        z -= (z * (square + linear) - 1.0) / (3.0 * square + linear)
+        lower = z + force(coefficients, z, 0.0, 1.0) / stiffness_at(coefficients, z, 1.0)
+        if not 0.0 < lower < z:
+            break
+        z = lower
     return min(z, FARTHEST)
 
 

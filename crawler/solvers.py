@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .closed_form.parts import is_linear, require_linear
 from .cost import cheapest_of_each, PREDICTED
-from .model.columns import coefficients_of_each, different, units_of
+from .model.columns import coefficients_of_each, different, linear_of_each, units_of
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Coefficients
@@ -116,8 +116,7 @@ def choose_for_each(
         choices[:] = cheapest_of_each(coefficients[:, some], holds[some], units[some], tolerance)
         choices[chains] = PREDICTED.index("taylor")
         return choices
-    linear = (coefficients[0] == 0.0) & (coefficients[3] == 0.0)
-    unable = chains & (name != "taylor") if name != "closed_form" else chains | ~linear
+    unable = chains & (name != "taylor") if name != "closed_form" else chains | ~linear_of_each(coefficients)
     for i in np.flatnonzero(unable)[:1].tolist():
         _refuse_unable(name, groups[i], scenes[i])
     return np.full(len(groups), PREDICTED.index(name), np.int8)

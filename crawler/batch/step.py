@@ -15,8 +15,8 @@ from ..model.state import Body, Coefficients, Ledger
 from ..motion.energy import posted
 from ..motion.events import is_quiet
 from ..motion.sampling import is_near, moment_of
-from ..steps.taylor import is_sound, step_inputs
-from ..steps.taylor_series import energy_nodes, step, value
+from ..steps.taylor import is_sound
+from ..steps.taylor_series import energy_nodes, step, step_inputs, value
 from ..steps.workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, WIDTH, Z
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""The parts of the loop for a linear crawler, in closed form where Pi1 = Pi5 = 0.
+"""The parts of the loop for a linear crawler, in closed form where the groups `NONLINEAR` are 0.
 
 Nothing is integrated. From event to event the state is a propagator times the state at the last event, and only the
 times of the events are searched for. The error is that of rounding, whatever the tolerance, which matters to nothing
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...compiling.compilation import allocating, compiled, formula, inlined
 from ...compiling.roots import first_downcrossing
 from ..model.equations import acceleration_at_no_force, force, moved, retardation
-from ..model.groups import Groups
+from ..model.groups import Groups, NONLINEAR
 from ..model.state import BACKWARD, Body, Coefficients, FORWARD, Ledger, STUCK
 from ..motion.events import breaks_loose, comes_to_rest, foot_speed, mode_after_rest, turning_speed
 from ..motion.parts import Parts
@@ -36,7 +36,7 @@ _ORDER = Taylor20.order()
 
 def is_linear(groups: Groups) -> bool:
     """Whether the crawler's smooth motion has a closed form."""
-    return groups.duffing == 0.0 and groups.radial_coupling == 0.0
+    return all(getattr(groups, name) == 0.0 for name in NONLINEAR)
 
 
 def require_linear(groups: Groups) -> None:
@@ -47,7 +47,7 @@ def require_linear(groups: Groups) -> None:
     ValueError
         Naming the group that makes the motion nonlinear.
     """
-    for name in ("duffing", "radial_coupling"):
+    for name in NONLINEAR:
         value = getattr(groups, name)
         if value != 0.0:
             raise ValueError(f"solver 'closed_form' needs {name} to be 0, got {value!r}; 'auto' takes any groups")

@@ -7,11 +7,12 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
+from numba.np.unsafe.ndarray import to_fixed_tuple
 from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled
 from ...compiling.vectors import aligned_zeros
-from .groups import Groups
+from .groups import Groups, NONLINEAR
 from .scene import Scene
 from .state import Body, Coefficients, coefficients_of
 from .tube import as_crawler, is_chain
@@ -22,9 +23,15 @@ __all__ = [
     "coefficients_of_each",
     "columns_of",
     "different",
+    "is_linear_at",
+    "linear_of_each",
     "units_of",
     "write_body",
 ]
+
+_as_tuple: Any = to_fixed_tuple  # whose types numba does not tell
+_FIELDS = len(Coefficients._fields)
+_NONLINEAR = tuple(Coefficients._fields.index(name) for name in NONLINEAR)
 
 
 def coefficients_of_each(groups: Sequence[Groups], scenes: Sequence[Scene]) -> NDArray[np.float64]:
@@ -84,6 +91,20 @@ def different(each: Sequence[Any]) -> list[Any]:
     return list({id(one): one for one in each}.values())
 
 
+def linear_of_each(columns: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which of the crawlers in the columns of `coefficients_of_each` are linear, shape (n,)."""
+    return (columns[list(_NONLINEAR)] == 0.0).all(axis=0)
+
+
+@compiled
+def is_linear_at(columns: NDArray[np.float64], i: int) -> bool:
+    """Whether the crawler in a column is linear."""
+    linear = True
+    for row in _NONLINEAR:
+        linear = linear and columns[row, i] == 0.0
+    return linear
+
+
 @compiled
 def body_of(bodies: NDArray[np.float64], i: int) -> Body:
     """The body in a column."""
@@ -107,16 +128,5 @@ def write_body(body: Body, bodies: NDArray[np.float64], i: int) -> None:
 @compiled
 def coefficients_at(columns: NDArray[np.float64], i: int) -> Coefficients:
     """The coefficients in a column."""
-    return Coefficients(
-        columns[0, i],
-        columns[1, i],
-        columns[2, i],
-        columns[3, i],
-        columns[4, i],
-        columns[5, i],
-        columns[6, i],
-        columns[7, i],
-        columns[8, i],
-        columns[9, i] != 0.0,
-        columns[10, i] != 0.0,
-    )
+    fields = _as_tuple(columns[:, i], _FIELDS)
+    return Coefficients(*(*fields[:-2], fields[-2] != 0.0, fields[-1] != 0.0))

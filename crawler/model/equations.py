@@ -6,9 +6,12 @@ from .state import Body, Coefficients, STUCK
 
 __all__ = [
     "acceleration_at_no_force",
+    "elastic_energy",
     "foot_velocity_at",
     "force",
+    "force_gradient",
     "force_terms",
+    "held_stiffness",
     "is_free",
     "mobility_of",
     "moved",
@@ -35,6 +38,25 @@ def force(coefficients: Coefficients, z: float, v: float, p: float) -> float:
 def stiffness_at(coefficients: Coefficients, z: float, p: float) -> float:
     """K = -dF / dz = 1 + 3 Pi1 z^2 - Pi5 p."""
     return 1.0 + 3.0 * coefficients.duffing * z * z - coefficients.radial_coupling * p
+
+
+@formula
+def held_stiffness(coefficients: Coefficients, z: float) -> float:
+    """`stiffness_at` without pressure, rounded otherwise: the lengths of steps depend on the last bit of an error."""
+    return 1.0 + 3.0 * (coefficients.duffing * z * z)
+
+
+@formula
+def force_gradient(coefficients: Coefficients, z: float, p: float) -> tuple[float, float, float]:
+    """Derivatives of the force with respect to z, v and p; the first is -`stiffness_at`, rounded otherwise."""
+    by_z = p * coefficients.radial_coupling - 1.0 - 3.0 * coefficients.duffing * z * z
+    return by_z, -coefficients.damping, 1.0 + coefficients.radial_coupling * z
+
+
+@formula
+def elastic_energy(coefficients: Coefficients, z: float) -> float:
+    """Work that the springs take to be stretched by z: the integral of -`force` at v = p = 0."""
+    return 0.5 * z * z * (1.0 + 0.5 * coefficients.duffing * z * z)
 
 
 @formula

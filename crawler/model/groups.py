@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from ...common.validation import known_names, number_within
 
-__all__ = ["PRESETS", "RANGES", "Groups", "GroupsLike", "HasGroups", "groups_of_each"]
+__all__ = ["NONLINEAR", "PRESETS", "RANGES", "Groups", "GroupsLike", "HasGroups", "groups_of_each"]
 
 RANGES = {
     "duffing": "[0, inf)",
@@ -18,6 +18,9 @@ RANGES = {
     "kinetic_friction": "[0, inf)",
 }
 """Values that each group may take, in the usual notation; `kinetic_friction` at most `static_friction` besides."""
+
+NONLINEAR = ("duffing", "radial_coupling")
+"""Groups without which the force is linear in stretch, rate and pressure; each is a field of `Coefficients` too."""
 
 
 @dataclass(frozen=True, slots=True)

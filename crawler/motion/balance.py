@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.equations import elastic_energy
 from ..model.groups import Groups
 from ..model.scene import Scene
-from ..model.state import Body, Coefficients, Ledger
+from ..model.state import Body, Coefficients, coefficients_of, Ledger
 from ..model.tube import node_masses
 
 __all__ = [
@@ -55,8 +56,7 @@ def stored_by_crawler(body: Body, coefficients: Coefficients) -> tuple[Any, Any]
     r, payload, z = coefficients.foot_fraction, coefficients.payload_fraction, body.deformation
     foot_rate, payload_rate = body.foot_velocity, body.foot_velocity + body.velocity
     kinetic = 0.5 * (r * foot_rate * foot_rate + payload * payload_rate * payload_rate)
-    elastic = 0.5 * z * z * (1.0 + 0.5 * coefficients.duffing * z * z)
-    return kinetic + elastic, coefficients.slope * (body.foot + payload * z)
+    return kinetic + elastic_energy(coefficients, z), coefficients.slope * (body.foot + payload * z)
 
 
 def stored_by_chain(body: Body, stretches: NDArray[np.float64], groups: Groups, scene: Scene) -> tuple[float, float]:
@@ -64,7 +64,7 @@ def stored_by_chain(body: Body, stretches: NDArray[np.float64], groups: Groups, 
     masses = node_masses(groups, scene)
     places, rates = np.cumsum(np.vstack([[body.foot, body.foot_velocity], stretches.T / scene.segments]), axis=0).T
     kinetic = 0.5 * masses @ rates**2
-    elastic = np.mean(0.5 * stretches[0] ** 2 + 0.25 * groups.duffing * stretches[0] ** 4)
+    elastic = np.mean(elastic_energy(coefficients_of(groups, scene), stretches[0]))
     return float(kinetic + elastic), float(scene.slope * (masses @ places))
 
 

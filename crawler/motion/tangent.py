@@ -17,14 +17,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled, formula
+from ...compiling.compilation import compiled
 from ...compiling.roots import horner
-from ..model.equations import acceleration_at_no_force, force, mobility_of, retardation, stiffness_at
+from ..model.equations import acceleration_at_no_force, force, force_gradient, mobility_of, retardation, stiffness_at
 from ..model.state import Body, Coefficients, STUCK
 from ..steps.propagator import Propagator
 from ..steps.workspace import CHANGES, P, Z
 
-__all__ = ["carry", "carry_linear", "condition_of", "force_gradient", "saltate", "start_changes"]
+__all__ = ["carry", "carry_linear", "condition_of", "saltate", "start_changes"]
 
 # Rows of the tangents: changes of z, v, x and w at this instant; a column each for a change of z, v and w at the start.
 _DZ, _DV, _DX, _DW = range(CHANGES)
@@ -205,13 +205,6 @@ def saltate(
         later = rise / falling if falling > 0.0 and time > 0.0 else 0.0
         tangents[_DV, i] += (before - after) * later
         tangents[_DW, i] = tangents[_DW, i] + (foot_before - foot_after) * later if mode != STUCK else 0.0
-
-
-@formula
-def force_gradient(coefficients: Coefficients, z: float, p: float) -> tuple[float, float, float]:
-    """Derivatives of the force with respect to z, v and p; the first is -`stiffness_at`, rounded otherwise."""
-    by_z = p * coefficients.radial_coupling - 1.0 - 3.0 * coefficients.duffing * z * z
-    return by_z, -coefficients.damping, 1.0 + coefficients.radial_coupling * z
 
 
 @compiled

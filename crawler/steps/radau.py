@@ -15,13 +15,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled, formula, inlined
+from ...compiling.compilation import compiled, inlined
 from ...compiling.roots import horner
 from ..model.equations import (
     acceleration_at_no_force,
     foot_velocity_at,
     force,
     force_terms,
+    held_stiffness,
     is_free,
     mobility_of,
     pressure_after,
@@ -51,7 +52,7 @@ from .workspace import (
     Z,
 )
 
-__all__ = ["collocate", "held_stiffness", "radau_step", "refine_event_step", "stages_for"]
+__all__ = ["collocate", "radau_step", "refine_event_step", "stages_for"]
 
 _NODES, _GAPS, _INTEGRAL, _TWICE = TABLES.nodes, TABLES.gaps, TABLES.integral, TABLES.twice
 _EIGENVALUES, _LEFT, _RIGHT = TABLES.eigenvalues, TABLES.left, TABLES.right
@@ -513,12 +514,6 @@ def _error(
         defect = abs(force(coefficients, z_there, v_there, pressure) - pull_there)
         error = max(error, defect - 2.0 * rounding)
     return error
-
-
-@formula
-def held_stiffness(coefficients: Coefficients, z: float) -> float:
-    """`stiffness_at` without pressure, rounded otherwise: the lengths of steps depend on the last bit of an error."""
-    return 1.0 + 3.0 * (coefficients.duffing * z * z)
 
 
 @compiled

@@ -12,19 +12,16 @@ from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled, formula, inlined, merged
 from ...compiling.roots import horner
-from ...compiling.tracing import where
 from ..model.equations import (
-    acceleration_at_no_force,
     force,
     force_terms,
     mobility_of,
     moved,
     pressure_after,
-    retardation,
 )
-from ..model.state import Body, Coefficients, STUCK
+from ..model.state import Body, Coefficients
 from .options import AFRESH, Method, Pace, Situation, TAYLOR
-from .taylor_series import write_step
+from .taylor_series import step_inputs, write_step
 from .workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, Z
 
 __all__ = [
@@ -36,7 +33,6 @@ __all__ = [
     "is_sound",
     "order_for",
     "state_at",
-    "step_inputs",
     "taylor_step",
     "trusted",
 ]
@@ -67,32 +63,6 @@ def order_for(tolerance: float) -> int:
     """
     wanted = 4.0 - 4.0 / 3.0 * math.log10(tolerance) - 1e-9
     return next((order for order in ORDERS if order >= wanted), ORDERS[-1])
-
-
-@formula
-def step_inputs(
-    body: Body, coefficients: Coefficients, valve: float, tolerance: float, remaining: float
-) -> tuple[float, ...]:
-    """What a step's recurrence begins with."""
-    stuck = body.mode == STUCK
-    return (
-        body.deformation,
-        body.velocity,
-        body.pressure,
-        valve,
-        coefficients.lag_rate,
-        coefficients.radial_coupling,
-        coefficients.duffing,
-        coefficients.damping,
-        mobility_of(coefficients, body.mode),
-        acceleration_at_no_force(coefficients, body.mode),
-        tolerance,
-        remaining,
-        # The event function: the force while the foot sticks, its speed in the direction of motion while it slides.
-        where(stuck, 1.0, 0.0),
-        body.mode * -coefficients.payload_fraction,
-        where(stuck, 0.0, body.mode * -retardation(coefficients, body.mode)),
-    )
 
 
 @merged

@@ -7,14 +7,43 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.tracing import fma, sum_of_products, unrolled
+from ...compiling.compilation import formula
+from ...compiling.tracing import fma, sum_of_products, unrolled, where
+from ..model.equations import acceleration_at_no_force, mobility_of, retardation
+from ..model.state import Body, Coefficients, STUCK
 from .workspace import FORCE, P, STEP, V, WORK, Z
 
-__all__ = ["energy_nodes", "series_coefficients", "step", "value", "write_energies", "write_step"]
+__all__ = ["energy_nodes", "series_coefficients", "step", "step_inputs", "value", "write_energies", "write_step"]
 
 # Where the motion is fainter than the tolerance, an absolute test would allow steps beyond the series' radius of
 # convergence. The body's own period is 2 pi, so this many natural units keep within it.
 _LONGEST = 4.0
+
+
+@formula
+def step_inputs(
+    body: Body, coefficients: Coefficients, valve: float, tolerance: float, remaining: float
+) -> tuple[float, ...]:
+    """What a step's recurrence begins with."""
+    stuck = body.mode == STUCK
+    return (
+        body.deformation,
+        body.velocity,
+        body.pressure,
+        valve,
+        coefficients.lag_rate,
+        coefficients.radial_coupling,
+        coefficients.duffing,
+        coefficients.damping,
+        mobility_of(coefficients, body.mode),
+        acceleration_at_no_force(coefficients, body.mode),
+        tolerance,
+        remaining,
+        # The event function: the force while the foot sticks, its speed in the direction of motion while it slides.
+        where(stuck, 1.0, 0.0),
+        body.mode * -coefficients.payload_fraction,
+        where(stuck, 0.0, body.mode * -retardation(coefficients, body.mode)),
+    )
 
 
 def series_coefficients(

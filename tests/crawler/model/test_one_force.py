@@ -11,12 +11,19 @@ import pytest
 
 from stickslip.compiling.tracing import fma
 from stickslip.crawler.closed_form import search
-from stickslip.crawler.model.equations import acceleration_at_no_force, force, mobility_of, stiffness_at
+from stickslip.crawler.model.equations import (
+    acceleration_at_no_force,
+    elastic_energy,
+    force,
+    force_gradient,
+    held_stiffness,
+    mobility_of,
+    stiffness_at,
+)
 from stickslip.crawler.model.state import Body, Coefficients, FORWARD, STUCK
-from stickslip.crawler.motion import tangent
-from stickslip.crawler.steps import chain_series, radau
+from stickslip.crawler.steps import chain_series
 from stickslip.crawler.steps.propagator import Rates
-from stickslip.crawler.steps.taylor_series import series_coefficients
+from stickslip.crawler.steps.taylor_series import series_coefficients, step_inputs
 from stickslip.crawler.steps.workspace import FORCE, P, V, WIDTH, Z
 
 ORDER = 9
@@ -100,10 +107,8 @@ def pressure_series():
 @pytest.mark.parametrize("mode", [STUCK, FORWARD])
 def test_the_recurrence_of_the_taylor_step(mode):
     mobility, constant = mobility_of(COEFFICIENTS, mode), acceleration_at_no_force(COEFFICIENTS, mode)
-    own = COEFFICIENTS
-    series = series_coefficients(
-        ORDER, *START[:3], VALVE, own.lag_rate, own.radial_coupling, own.duffing, own.damping, mobility, constant
-    )
+    motion = step_inputs(START._replace(mode=mode), COEFFICIENTS, VALVE, 0, 0)[:-5]
+    series = series_coefficients(ORDER, *motion)
     z, v = [START.deformation], [START.velocity]
     p = pressure_series()
     for n in range(ORDER + 1):
@@ -170,8 +175,11 @@ def slopes(z, p):
 def test_the_stiffness_is_the_slope_of_the_force(z, p):
     by_z, by_v, by_p = slopes(z, p)
     assert stiffness_at(COEFFICIENTS, z, p) == -by_z
-    assert tangent.force_gradient(COEFFICIENTS, z, p) == (by_z, by_v, by_p)
-    assert radau.held_stiffness(COEFFICIENTS, z) == stiffness_at(COEFFICIENTS, z, Exact(0))
+    assert force_gradient(COEFFICIENTS, z, p) == (by_z, by_v, by_p)
+    assert held_stiffness(COEFFICIENTS, z) == stiffness_at(COEFFICIENTS, z, Exact(0))
+    energy = elastic_energy(COEFFICIENTS, Series([z, Exact(1), Exact(0)]))
+    assert energy[1] == -force(COEFFICIENTS, z, Exact(0), Exact(0))
+    assert 2 * energy[2] == stiffness_at(COEFFICIENTS, z, Exact(0))
 
 
 @pytest.mark.parametrize("mode", [STUCK, FORWARD])
