@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ..common.sharing import share
 from .batch.driving import drive_in_lanes
 from .batch.lane_runs import blank_log, Log, Runs
-from .cost import PREDICTED
 from .model.columns import coefficients_of_each, different, units_of
 from .model.groups import Groups
 from .model.scene import Scene
@@ -20,7 +19,7 @@ from .model.state import Body, Coefficients, Ledger
 from .model.tube import is_chain
 from .motion.balance import Store, store_between, stored_by_crawler
 from .runs import run_chain, run_crawler
-from .solvers import choose_for_each, SOLVERS
+from .solvers import choose_for_each, NAMES, SOLVERS
 from .steps.options import FINISHED, MAX_STEPS, STEPS_A_HOLD
 
 __all__ = ["UNFINISHED", "Batch", "Driven", "drive_batch"]
@@ -56,7 +55,7 @@ class Driven(NamedTuple):
     parts: NDArray[np.float64]  # (n, 2, segments, samples): stretches and rates of segments
     store: Store
     conditions: NDArray[np.float64]  # (n,): nan where not asked for
-    solvers: NDArray[np.int8]  # (n,): places of their names in `PREDICTED`
+    solvers: NDArray[np.int8]  # (n,): places of their names in `NAMES`
     logs: list[Log]
 
 
@@ -87,7 +86,7 @@ def drive_batch(
     elif segments > 1:
         parts = np.empty(0)
 
-    together = (solvers == PREDICTED.index("taylor")) & ~batch.chains
+    together = (solvers == NAMES.index("taylor")) & ~batch.chains
     together &= not condition and np.count_nonzero(together) > 1
     growth, size, conditions = np.zeros(len(units)), np.zeros(len(units)), np.full(len(units), np.nan)
     logs = []
@@ -105,7 +104,7 @@ def drive_batch(
     def one(i: int, over: Event) -> Log:
         if (runs.statuses[:i] > FINISHED).any():
             return blank_log(0)
-        by = SOLVERS[PREDICTED[solvers[i]]]
+        by = SOLVERS[NAMES[solvers[i]]]
         options = by.options(tolerance, energy=True, log=True, tangents=condition, max_steps=int(runs.budgets[i]))
         groups, scene, hold = batch.crawlers[i], batch.scenes[i], float(batch.holds[i])
         duties, samples = batch.schedule[i].astype(np.float64), runs.samples[i]

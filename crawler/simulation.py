@@ -12,7 +12,6 @@ from ..common.sharing import processors
 from ..common.validation import finite_array, number_within, whole_number
 from .batch.lane_runs import write_in_order
 from .batch_simulation import Batch, drive_batch, Driven
-from .cost import PREDICTED
 from .model.columns import different
 from .model.groups import Groups, groups_of_each, GroupsLike
 from .model.scene import Scene
@@ -21,7 +20,7 @@ from .model.tube import is_chain, stretches_of
 from .model.variations import HOLDS
 from .motion.balance import Balance, balance_of, check_balance, Store
 from .refusals import solver_error, SolverError
-from .solvers import AUTO, SOLVERS
+from .solvers import AUTO, NAMES, SOLVERS
 from .steps.options import FINISHED
 from .trajectory import EVENT, Trajectory
 
@@ -128,7 +127,7 @@ def simulate(
     for i in suspects.tolist():
         if len(failed) == 0 or i < failed[0]:
             balance = _balance_of_one(batch, driven, i, tolerance)
-            name, whose = PREDICTED[driven.solvers[i]], "" if single else f"crawler {i}: "
+            name, whose = NAMES[driven.solvers[i]], "" if single else f"crawler {i}: "
             check_balance(balance, batch.crawlers[i], batch.scenes[i], tolerance, name, whose)
     if len(failed):
         error = _error(batch, driven, int(failed[0]), tolerance)
@@ -251,7 +250,7 @@ def _start(initial: State | ChainState, scene: Scene) -> tuple[Body, NDArray[np.
 def _balanced(driven: Driven, tolerance: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Scales of the energies, and crawlers whose energies may not add up."""
     runs = driven.runs
-    errors = np.where(driven.solvers == PREDICTED.index("closed_form"), 0.0, tolerance)
+    errors = np.where(driven.solvers == NAMES.index("closed_form"), 0.0, tolerance)
     with np.errstate(all="ignore"):  # the numbers of a run that has failed may be any
         # Without the rounding of the foot's way, which takes a look at all samples.
         balance = balance_of(Ledger(*runs.ledgers), driven.store, runs.steps, errors, 0.0, 0.0)
@@ -265,7 +264,7 @@ def _balance_of_one(batch: Batch, driven: Driven, i: int, tolerance: float) -> B
         Ledger(*runs.ledgers[:, i].tolist()),
         Store(float(driven.store.growth[i]), float(driven.store.size[i])),
         int(runs.steps[i]),
-        0.0 if PREDICTED[driven.solvers[i]] == "closed_form" else tolerance,
+        0.0 if NAMES[driven.solvers[i]] == "closed_form" else tolerance,
         max(abs(float(runs.bodies[FOOT, i])), float(np.abs(runs.samples[i, 3]).max())),
         batch.crawlers[i].kinetic_friction + abs(batch.scenes[i].slope),
     )
@@ -282,7 +281,7 @@ def _error(batch: Batch, driven: Driven, i: int, tolerance: float) -> SolverErro
         batch.crawlers[i],
         batch.scenes[i],
         tolerance,
-        PREDICTED[driven.solvers[i]],
+        NAMES[driven.solvers[i]],
         int(runs.bodies[SLIPS, i]),
     )
 
@@ -301,7 +300,7 @@ def _model(batch: Batch, solvers: NDArray[np.int8]) -> str:
     """What was integrated, and by which solver."""
     kinds = set(zip(map(id, batch.scenes), solvers.tolist(), strict=True))
     scenes = {id(scene): scene for scene in batch.scenes}
-    found = {(_where(scenes[scene]), PREDICTED[solver].replace("_", " ")) for scene, solver in kinds}
+    found = {(_where(scenes[scene]), NAMES[solver].replace("_", " ")) for scene, solver in kinds}
     return "; ".join(f"{where}, {name}" for where, name in sorted(found))
 
 

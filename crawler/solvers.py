@@ -20,7 +20,7 @@ from .steps.radau import stages_for
 from .steps.taylor import order_for
 from .steps.workspace import ROWS, WIDTH
 
-__all__ = ["AUTO", "SOLVERS", "Solver", "cheapest", "choose", "choose_for_each", "solvers_for"]
+__all__ = ["AUTO", "NAMES", "SOLVERS", "Solver", "cheapest", "choose", "choose_for_each", "solvers_for"]
 
 AUTO = "auto"
 
@@ -59,6 +59,8 @@ SOLVERS = {
         Solver("radau", lambda _order: Radau(), _series, stages_for),
     )
 }
+NAMES = tuple(SOLVERS)
+"""By the places that stand for them; those of `PREDICTED`, among which "auto" chooses, come first, in their order."""
 
 
 def choose(name: str, groups: Groups, scene: Scene, hold: float, tolerance: float) -> Solver:
@@ -85,7 +87,7 @@ def choose_for_each(
     units: NDArray[np.float64],
     tolerance: float,
 ) -> NDArray[np.int8]:
-    """What `choose` chooses for each of n crawlers, as an index into the names of `PREDICTED`.
+    """What `choose` chooses for each of n crawlers, as an index into `NAMES`.
 
     Parameters
     ----------
@@ -114,12 +116,12 @@ def choose_for_each(
         some = slice(1) if alike else slice(None)
         choices = np.empty(len(groups), np.int8)
         choices[:] = cheapest_of_each(coefficients[:, some], holds[some], units[some], tolerance)
-        choices[chains] = PREDICTED.index("taylor")
+        choices[chains] = NAMES.index("taylor")
         return choices
     unable = chains & (name != "taylor") if name != "closed_form" else chains | ~linear_of_each(coefficients)
     for i in np.flatnonzero(unable)[:1].tolist():
         _refuse_unable(name, groups[i], scenes[i])
-    return np.full(len(groups), PREDICTED.index(name), np.int8)
+    return np.full(len(groups), NAMES.index(name), np.int8)
 
 
 def _refuse_unable(name: str, groups: Groups, scene: Scene) -> None:
