@@ -100,8 +100,8 @@ def linear_of_each(columns: NDArray[np.float64]) -> NDArray[np.bool_]:
 def is_linear_at(columns: NDArray[np.float64], i: int) -> bool:
     """Whether the crawler in a column is linear."""
     linear = True
-    for row in _NONLINEAR:
-        linear = linear and columns[row, i] == 0.0
+    for k in range(len(_NONLINEAR)):
+        linear = linear and columns[_NONLINEAR[k], i] == 0.0
     return linear
 
 

@@ -12,12 +12,11 @@ from hypothesis import strategies as st
 from stickslip.compiling.vectors import LANES
 from stickslip.crawler import EnergyWarning, Groups, Scene, simulate, SolverError, State
 from stickslip.crawler.batch import driving
-from stickslip.crawler.cost import PREDICTED
 from stickslip.crawler.model.columns import coefficients_of_each, units_of
 from stickslip.crawler.model.state import coefficients_of
 from stickslip.crawler.model.tube import as_crawler
 from stickslip.crawler.motion import balance, progress
-from stickslip.crawler.solvers import AUTO, choose, choose_for_each
+from stickslip.crawler.solvers import AUTO, choose, choose_for_each, NAMES
 
 ARRAYS = (
     *("deformation", "velocity", "pressure", "foot", "foot_velocity", "segment_deformation", "segment_velocity"),
@@ -205,7 +204,7 @@ def test_packed_coefficients_and_choices_are_those_of_each():
     for tolerance in (1e-3, 1e-9):
         choices = choose_for_each(AUTO, groups, scenes, columns, np.array(holds), units, tolerance)
         for choice, *one in zip(choices.tolist(), groups, scenes, holds, strict=True):
-            assert PREDICTED[choice] == choose(AUTO, *one, tolerance).name
+            assert NAMES[choice] == choose(AUTO, *one, tolerance).name
     assert len(set(choices.tolist())) == 3
     with pytest.raises(ValueError, match=r"solver 'closed_form' needs (duffing|radial_coupling) to be 0, got"):
         choose_for_each("closed_form", groups, scenes, columns, np.array(holds), units, 1e-6)

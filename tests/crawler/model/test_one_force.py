@@ -20,6 +20,7 @@ from stickslip.crawler.model.equations import (
     mobility_of,
     stiffness_at,
 )
+from stickslip.crawler.model.groups import NONLINEAR
 from stickslip.crawler.model.state import Body, Coefficients, FORWARD, STUCK
 from stickslip.crawler.steps import chain_series
 from stickslip.crawler.steps.propagator import Rates
@@ -185,7 +186,7 @@ def test_the_stiffness_is_the_slope_of_the_force(z, p):
 @pytest.mark.parametrize("mode", [STUCK, FORWARD])
 def test_the_force_of_the_closed_form(monkeypatch, mode):
     monkeypatch.setattr(search, "_faded", search._faded.py_func)
-    linear = COEFFICIENTS._replace(duffing=Exact(0), radial_coupling=Exact(0))
+    linear = COEFFICIENTS._replace(**dict.fromkeys(NONLINEAR, Exact(0)))
     mobility, constant = mobility_of(linear, mode), acceleration_at_no_force(linear, mode)
     rates = Rates(mobility, linear.damping, linear.lag_rate, *[None] * 5)
     start = search.deviation.py_func(START._replace(mode=mode), linear, VALVE, rates)
