@@ -24,6 +24,12 @@ def refuses(error, text):
         ([], (1, 2), ValueError, "x must be 1-dimensional or 2-dimensional and not empty, got shape (0,)"),
         (3.0, (1, 2), ValueError, "x must be 1-dimensional or 2-dimensional and not empty, got shape ()"),
         ([0.0, np.nan, np.inf], 1, ValueError, "x must be finite, got nan at index (1,)"),
+        (
+            np.ma.array([0.0, 1.0, 1.0], mask=[0, 0, 1]),
+            1,
+            ValueError,
+            "x must have no masked entries, got one at index (2,)",
+        ),
         ([[0.0, 1.0], [2.0, -np.inf]], (1, 2), ValueError, "x must be finite, got -inf at index (1, 1)"),
     ],
 )
