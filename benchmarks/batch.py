@@ -18,11 +18,12 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import gymnasium as gym
 import numpy as np
-from measuring import keep, machine, quartiles, take_turns
+from measuring import keep, machine, quartiles, refresh, take_turns
 
 from stickslip.crawler import Groups, simulate
 
 RESULTS = Path(__file__).parent / "results" / "batch.json"
+PAGE = Path(__file__).parents[1] / "docs" / "vector.md"
 NAME = "stickslip:StickSlipCrawler-v0"
 HOLD, TOLERANCE = 0.5, 1e-6
 # Crawlers and holds of each case: as in sweeps, and as in long runs.
@@ -66,8 +67,30 @@ def works() -> dict[str, Callable[[], object]]:
     return made
 
 
+def tables(results: dict[str, Any]) -> dict[str, str]:
+    """Tables of the page, by name."""
+    lines = ["| crawlers x holds | | us a hold | over the environment |", "|---|---|---:|---:|"]
+    for holds, count in CASES.items():
+        for name in (
+            f"environment, {holds} holds",
+            f"simulate, {holds} holds",
+            f"simulate, {holds} holds, groups differ",
+        ):
+            who = name.replace(f", {holds} holds", "")
+            ratio = _cell(results["ratios"][f"{name} over environment"]) if "simulate" in name else ""
+            lines.append(f"| {count} x {holds} | {who} | {_cell(results['us a hold'][name])} | {ratio} |")
+    head = f"| {MANY} randomised crawlers | ratio |\n|---|---:|\n"
+    start = f"| episode start over {STEPS} steps | {_cell(results['ratios']['episode start over 40 steps'])} |"
+    return {"batch": "\n".join(lines), "batch starts": head + start}
+
+
+def _cell(quartile: list[float]) -> str:
+    low, middle, high = quartile
+    return f"{middle:.2f} [{low:.2f}, {high:.2f}]"
+
+
 def main() -> None:
-    """Measure, print and keep."""
+    """Measure, print and keep, and write the page's tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=15)
     rounds = parser.parse_args().rounds
@@ -98,6 +121,7 @@ def main() -> None:
         for name, (low, middle, high) in results[kind].items():
             print(f"    {name:55}{middle:8.3f} [{low:.3f}, {high:.3f}]")
     keep(RESULTS, results)
+    refresh(PAGE, tables(results))
 
 
 if __name__ == "__main__":
