@@ -31,7 +31,7 @@ def finite_array(name: str, value: ArrayLike, ndim: int | tuple[int, ...]) -> ND
         If `value` has another number of dimensions, is empty, has masked entries, or is not finite everywhere.
     """
     if np.ma.is_masked(value):
-        index = tuple(int(i) for i in np.argwhere(np.ma.getmaskarray(value))[0])
+        index = tuple(int(i) for i in np.argwhere(np.ma.getmaskarray(np.ma.asarray(value)))[0])
         raise ValueError(f"{name} must have no masked entries, got one at index {index}")
     try:
         array = np.asarray(value, dtype=np.float64)
