@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from ..common.sharing import share
 from .batch.driving import drive_in_lanes
 from .batch.lane_runs import blank_log, Log, Runs
-from .model.columns import coefficients_of_each, different, units_of
+from .model.columns import chains_of_each, coefficients_of_each, units_of
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Body, Coefficients, Ledger
-from .model.tube import is_chain
 from .motion.balance import Store, store_between, stored_by_crawler
 from .runs import run_chain, run_crawler
 from .solvers import choose_for_each, NAMES, SOLVERS
@@ -42,10 +41,7 @@ class Batch:
     @cached_property
     def chains(self) -> NDArray[np.bool_]:
         """Which crawlers are chains, shape (n,)."""
-        found = np.zeros(len(self.scenes), np.bool_)
-        if any(map(is_chain, different(self.scenes))):
-            found[:] = list(map(is_chain, self.scenes))
-        return found
+        return chains_of_each(self.scenes)
 
 
 class Driven(NamedTuple):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .closed_form.parts import is_linear, require_linear
 from .cost import cheapest_of_each, PREDICTED
-from .model.columns import coefficients_of_each, different, linear_of_each, units_of
+from .model.columns import chains_of_each, coefficients_of_each, linear_of_each, units_of
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Coefficients
@@ -108,9 +108,7 @@ def choose_for_each(
     ValueError
         As `choose`.
     """
-    chains = np.zeros(len(groups), np.bool_)
-    if any(map(is_chain, different(scenes))):
-        chains[:] = [is_chain(scene) for scene in scenes]
+    chains = chains_of_each(scenes)
     if name == AUTO:
         alike = all((row == row[0]).all() for row in (holds, units, *coefficients))
         some = slice(1) if alike else slice(None)

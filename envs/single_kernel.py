@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..compiling.compilation import compiled, merged
 from ..compiling.generators import next_uniform
 from ..crawler.loop import advance
+from ..crawler.model.columns import coefficients_in
 from ..crawler.model.groups import Groups
 from ..crawler.model.scene import Scene
 from ..crawler.model.state import Body, Coefficients, coefficients_of, FOOT, NOTHING_YET, SLIPS, State
@@ -166,19 +167,7 @@ def _step(
         valve = 1 - command
     start = body[FOOT]
     hold = fixed[_HOLD]
-    coefficients = Coefficients(
-        fixed[0],
-        fixed[1],
-        fixed[2],
-        fixed[3],
-        fixed[4],
-        fixed[5],
-        fixed[6],
-        fixed[7],
-        fixed[8],
-        fixed[9] != 0.0,
-        fixed[10] != 0.0,
-    )
+    coefficients = coefficients_in(fixed[:_HOLD])
     outcome = advance(
         Body(body[0], body[1], body[2], body[3], body[4], int(body[5]), int(body[6])),
         NOTHING_YET,

@@ -31,7 +31,7 @@ from .step import (
 __all__ = ["UNFINISHED", "load_crawler", "step_alone", "turn_valve"]
 
 _BODY = len(Body._fields)
-_PHYSICS = len(Coefficients._fields)
+_COEFFICIENTS = len(Coefficients._fields)
 UNFINISHED = -1
 
 
@@ -47,7 +47,7 @@ def load_crawler(
     """Put the crawler of a column into a lane, at the start of a hold."""
     for row in range(_BODY):
         lanes[STATE, row, lane] = bodies[row, i]
-    for row in range(_PHYSICS):
+    for row in range(_COEFFICIENTS):
         lanes[COEFFICIENTS, row, lane] = columns[row, i]
     lanes[HOLD, SPAN, lane] = hold
     lanes[SAMPLING, DONE, lane] = 0.0

@@ -19,7 +19,9 @@ from .tube import as_crawler, is_chain
 
 __all__ = [
     "body_of",
+    "chains_of_each",
     "coefficients_at",
+    "coefficients_in",
     "coefficients_of_each",
     "columns_of",
     "different",
@@ -91,6 +93,14 @@ def different(each: Sequence[Any]) -> list[Any]:
     return list({id(one): one for one in each}.values())
 
 
+def chains_of_each(scenes: Sequence[Scene]) -> NDArray[np.bool_]:
+    """Which of the scenes make a chain of the body, shape (n,)."""
+    chains = np.zeros(len(scenes), np.bool_)
+    if any(map(is_chain, different(scenes))):
+        chains[:] = list(map(is_chain, scenes))
+    return chains
+
+
 def linear_of_each(columns: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Which of the crawlers in the columns of `coefficients_of_each` are linear, shape (n,)."""
     return (columns[list(_NONLINEAR)] == 0.0).all(axis=0)
@@ -128,5 +138,11 @@ def write_body(body: Body, bodies: NDArray[np.float64], i: int) -> None:
 @compiled
 def coefficients_at(columns: NDArray[np.float64], i: int) -> Coefficients:
     """The coefficients in a column."""
-    fields = _as_tuple(columns[:, i], _FIELDS)
+    return coefficients_in(columns[:, i])
+
+
+@compiled
+def coefficients_in(numbers: NDArray[np.float64]) -> Coefficients:
+    """The coefficients whose fields are these numbers, in order."""
+    fields = _as_tuple(numbers, _FIELDS)
     return Coefficients(*(*fields[:-2], fields[-2] != 0.0, fields[-1] != 0.0))
