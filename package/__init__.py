@@ -57,4 +57,4 @@ if not TYPE_CHECKING:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return list({*globals(), *__all__})  # `dir` sorts it

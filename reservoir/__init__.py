@@ -59,4 +59,4 @@ if not TYPE_CHECKING:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_OF_SCIKIT_LEARN})
+    return list({*globals(), *_OF_SCIKIT_LEARN})  # `dir` sorts it

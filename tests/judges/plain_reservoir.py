@@ -266,6 +266,7 @@ def information(
         "rank": rank,
         "tried": tried,
         "reach": last,
+        "rare": rare,
         "total": total,
     }
 

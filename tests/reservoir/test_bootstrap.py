@@ -1,3 +1,5 @@
+import warnings
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -136,3 +138,29 @@ def test_intervals_of_a_few_blocks_are_students():
         low, high = basic_interval(drawn, x.mean(), 0.95, 10)
         hits += low <= 0 <= high
     assert abs(hits - 1900) < 4 * 10
+
+
+def test_resampled_correlations_know_no_units():
+    """A row of any size beside any other, offset and all."""
+    rng = np.random.default_rng(0)
+    target = rng.normal(size=(3, 40))
+    prediction = target + rng.normal(size=(3, 40))
+    expected = resampled_correlations(prediction, target, 4, 6, 0)
+    sizes, offsets = np.array([[1e-100], [1.0], [1e100]]), np.array([[0.0], [1e6], [0.0]])
+    found = resampled_correlations(prediction * sizes + offsets, target * sizes[::-1] - offsets, 4, 6, 0)
+    np.testing.assert_allclose(found, expected, atol=1e-7)
+
+
+def test_what_came_out_constant_has_no_correlation():
+    """A message that moves once is constant in most resamples: 0, and no division by its spread."""
+    rng = np.random.default_rng(0)
+    target = np.concatenate([np.eye(1, 30, 7), rng.normal(size=(1, 30)), np.ones((1, 30))])
+    prediction = np.concatenate([rng.normal(size=(1, 30)), np.zeros((1, 30)), rng.normal(size=(1, 30))])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        drawn = resampled_correlations(prediction, target, 3, 50, 0)
+    assert not drawn[:, 1:].any()
+    starts = np.random.default_rng(0).integers(0, 30, (50, 10))
+    holds = ((7 - starts) % 30 < 3).any(axis=1)
+    assert 0 < holds.sum() < 50
+    np.testing.assert_array_equal(abs(drawn[:, 0]) > 1e-6, holds)  # but for rounding

@@ -1,3 +1,5 @@
+import warnings
+
 import numpy as np
 import pytest
 
@@ -113,3 +115,18 @@ def test_bad_input():
         echo_state_property(np.full((2, 10, 1), 0.1))
     with pytest.raises(ValueError, match=r"tolerance must be in \(0, inf\), got 0"):
         echo_state_property(states, tolerance=0)
+
+
+def test_what_cannot_be_told_is_not_computed():
+    """An error of one sample and a consistency of what stands still are NaN without a division by zero."""
+    near = np.concatenate([np.zeros((1, 1)), np.linspace(1e-3, 2e-3, 12)[:, None]])
+    states = np.concatenate([near, 50 * near, 50 * near], axis=1)
+    states[:, 1:] += np.array([1.0, -1.0])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = echo_state_property(states[:, :, None])
+        still = echo_state_property(np.stack([np.zeros((50, 1)), 0.5 ** np.arange(50.0)[:, None]]))
+    assert found.exponent == pytest.approx(np.log(50))
+    assert np.isnan(found.exponent_error)
+    assert np.isnan(still.consistency)
+    assert still.exponent == pytest.approx(-np.log(2))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from stickslip.reservoir import delay_line, state_rank
 from stickslip.reservoir.delayed import delayed_products, delayed_rows, delayed_squared_correlations
 from stickslip.reservoir.metrics import squared_correlation
-from stickslip.reservoir.orthonormal import centre, orthonormal_basis, whitening
+from stickslip.reservoir.orthonormal import centre, orthonormal_basis, surely_full_rank, Whitening, whitening
 from stickslip.reservoir.ridge import ridge_weights
 
 
@@ -117,3 +117,21 @@ def test_a_delay_line_is_its_own_basis():
     q = orthonormal_basis(line)
     assert q.shape[1] == 4
     assert np.linalg.norm(q.T @ (line[:, 2] - line[:, 2].mean())) ** 2 == pytest.approx(4000 * line[:, 2].var())
+
+
+@pytest.mark.parametrize("features", [2, 16])
+def test_an_offset_takes_a_direction_from_the_basis_as_it_does_from_the_rank(features):
+    """From a hundred roundings of the offset on a column no longer counts; the quick way is taken only well below."""
+    x = np.random.default_rng(0).normal(size=(3000, features))
+    x /= x.std(axis=0)
+    rounding = 100 * np.finfo(float).eps
+    for offset, rank in ((0.7, features), (1.5, features - 1), (3.0, features - 1), (0.01, features)):
+        moved = x.copy()
+        moved[:, 0] += offset / rounding
+        assert orthonormal_basis(moved).shape[1] == state_rank(moved) == rank
+    white = whitening(x.T @ x)
+    assert surely_full_rank(white, np.full(features, np.sqrt(3000)))
+    for share, sure in ((0.9, True), (1.1, False)):
+        # The least singular value against the tolerance, both as badly as they may be, and twice for rounding.
+        bound = share / (2 * rounding * np.sqrt(features))
+        assert surely_full_rank(Whitening(np.diag(np.eye(features)[0]), 0.0), np.full(features, bound)) == sure

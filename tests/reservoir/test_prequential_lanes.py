@@ -57,6 +57,11 @@ def test_those_in_the_mask_start_again_and_the_others_go_on():
     forget(pair.readouts, mask)
     for i in np.flatnonzero(mask):
         pair.single[i].reset()
+    # Nothing of what was before is left, not even where it would be multiplied by zero.
+    for i in range(COUNT):
+        for one, each in zip(packed(pair.readouts, i), pair.single[i].packed(), strict=True):
+            np.testing.assert_array_equal(one, each)
+        assert packed(pair.readouts, i)[2].any() != mask[i]
     for _ in range(10):
         lanes, single = pair.step()
         assert lanes == single

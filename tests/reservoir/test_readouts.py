@@ -150,3 +150,15 @@ def test_they_work_in_pipelines_and_searches():
         assert scores.min() > 0.99
     search = GridSearchCV(RidgeReadout(), {"penalty": [1e-6, 1e6]}, cv=split).fit(x, y[:, 0])
     assert search.best_params_ == {"penalty": 1e-6}
+
+
+@pytest.mark.parametrize("dtype", [np.float16, np.float32, np.longdouble, np.int16, bool, object])
+@pytest.mark.parametrize("readout", ESTIMATORS, ids=str)
+def test_whatever_the_type_of_the_samples_doubles_are_learned_and_told(readout, dtype):
+    x, y = data()
+    x, y = x.round().astype(dtype), y.round().astype(dtype)
+    expected = clone(readout).fit(x.astype(float), y.astype(float))
+    found = clone(readout).fit(x, y)
+    for one, other in ((found.coef_, expected.coef_), (found.predict(x), expected.predict(x.astype(float)))):
+        assert one.dtype == np.float64
+        np.testing.assert_array_equal(one, other)

@@ -189,3 +189,10 @@ def test_the_scores_of_a_small_crawler_do_not_move(name):
 def test_the_ladder_of_narma_grows_harder():
     scores = [TASKS[f"NARMA-{order} uniform NRMSE"].attempt(DelayLine(4), **RUN).score for order in (2, 5, 10)]
     assert all(easier < harder for easier, harder in pairwise(scores))
+
+
+@pytest.mark.parametrize("name", TASKS)
+@pytest.mark.parametrize("length", [0, -3, 2.5])
+def test_no_task_has_a_draw_of_nothing(name, length):
+    with pytest.raises((TypeError, ValueError), match=f"^length must be a whole number >= 1, got {length}"):
+        TASKS[name].draw(length, 0)

@@ -33,6 +33,7 @@ def test_the_figure_says_what_is_drawn_where():
     assert [line.get_label().split(":")[0] for line in ax.lines] == ["some", "other"]
     assert [line.get_color() for line in ax.lines] == ["#0072B2", "#D55E00"]
     assert len({line.get_marker() for line in ax.lines}) == 2
+    assert {(line.get_linestyle(), line.get_linewidth(), line.get_markersize()) for line in ax.lines} == {("-", 1, 3.5)}
     [chance] = ax.patches
     assert (chance.get_label(), chance.get_y(), chance.get_height()) == ("chance", 0, 0.05)
     assert ax.get_ylabel() == "memory capacity $MC_d$"

@@ -399,3 +399,15 @@ def test_bad_input():
         CrawlerReservoir().fit(SERIES).transform(np.zeros((3, 2)))
     with pytest.raises(ValueError, match="input_features should have length equal to 1, got 2"):
         CrawlerReservoir().fit(SERIES).get_feature_names_out(["a", "b"])
+
+
+def test_a_past_beyond_the_range_is_no_news_to_who_transforms():
+    """What is said of a transform is said of what is transformed, however the body came there."""
+    reservoir = CrawlerReservoir(input_range=(0.25, 0.75), carry_on=True, washout=2, virtual_nodes=1).fit(SERIES)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        gentle = reservoir.transform(np.full(3, 0.5))
+    with pytest.warns(UserWarning, match="1 of 3 values") as told:
+        reservoir.transform([[0.5], [0.5], [1.0]])
+    assert len(told) == 1
+    assert gentle.shape == (3, 3)
