@@ -14,6 +14,7 @@ EXTRAS = {
     "train": ("stable_baselines3", "sb3_contrib", "threadpoolctl", "torch", "tensorboard", "tqdm", "yaml"),
     "interop": ("minari", "mo_gymnasium", "skrl", "torchrl"),
     "demo": ("jinja2",),
+    "dask": ("distributed",),
     "peers": ("envpool", "heyoka", "diffrax", "jax", "mujoco", "reservoirpy"),
 }
 """Packages that can be imported by the least extra in `pyproject.toml` that installs them."""

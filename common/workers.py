@@ -4,14 +4,17 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
-__all__ = ["worker_processes"]
+__all__ = ["leave_to_parent", "worker_processes"]
 
 Result = TypeVar("Result")
+
+_LOOK = 0.5  # seconds between two looks for a parent that nothing else tells the end of
 
 
 @contextmanager
@@ -59,15 +62,23 @@ def _interrupts_blocked() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, usual)
 
 
-def _begin(initializer: Callable[..., None] | None, arguments: tuple[Any, ...]) -> None:
+def leave_to_parent() -> None:
+    """Have this process, one of a pool, leave interrupts to its parent and end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-    assert parent is not None
+    threading.Thread(target=_follow, args=(os.getppid(),), daemon=True).start()
 
-    def follow() -> None:
-        parent.join()
-        os._exit(1)
 
-    threading.Thread(target=follow, daemon=True).start()
+def _follow(parent: int) -> None:
+    known = multiprocessing.parent_process()
+    if known is not None and known.sentinel is not None:
+        known.join()
+    else:  # joblib's processes are not told
+        while os.getppid() == parent:
+            time.sleep(_LOOK)
+    os._exit(1)
+
+
+def _begin(initializer: Callable[..., None] | None, arguments: tuple[Any, ...]) -> None:
+    leave_to_parent()
     if initializer is not None:
         initializer(*arguments)

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ...common.files import atomically
-from ...common.fingerprint import described, refuse_other
+from ...common.kept import Kept
 from ...tasks.task import Solution
 
 __all__ = ["SHOWN", "Record", "Records"]
@@ -78,41 +77,20 @@ class Records:
     """
 
     def __init__(self, folder: Path, settings: Mapping[str, Any], *, resume: bool = False) -> None:
-        self._folder = folder
-        wanted = described(settings)
-        kept = folder / "settings.json"
-        if kept.exists() and (resume or self._files()):
-            if not resume:
-                raise ValueError(f"{folder.parent} holds a run already: resume it, or choose another folder")
-            found = json.loads(kept.read_text(encoding="utf-8"))
-            refuse_other(f"to go on with the run in {folder.parent}", found, wanted, growing=_GROWING)
-            wanted |= {name: {**found[name], **wanted[name]} for name in _GROWING if name in wanted}
-            if wanted == found:
-                return
-        folder.mkdir(parents=True, exist_ok=True)
-        _write(kept, wanted)
+        self._kept = Kept(folder, settings, resume=resume, growing=_GROWING)
 
     def keep(self, record: Record) -> None:
         """Write a record, whole or not at all."""
-        _write(self._folder / _file_name(record), record._asdict())
+        self._kept.keep(_file_name(record), record._asdict())
 
     def load(self) -> dict[tuple[str, str, int], Record]:
         """All records in the folder, by task, reservoir and seed."""
-        records = [Record(**json.loads(file.read_text(encoding="utf-8"))) for file in self._files()]
+        records = [Record(**each) for each in self._kept.load().values()]
         return {(record.task, record.reservoir, record.seed): record for record in records}
-
-    def _files(self) -> list[Path]:
-        # One that starts with a dot was being written when its process was killed.
-        return sorted(self._folder.glob("[!.]*-*.json"))
 
 
 def _file_name(record: Record) -> str:
     # Names are anyone's choice; the digest tells apart what the readable part does not.
     readable = re.sub(r"[^A-Za-z0-9]+", "-", f"{record.task} {record.reservoir}").strip("-").lower()
     digest = sha256(json.dumps([record.task, record.reservoir]).encode()).hexdigest()[:8]
-    return f"{readable[:80]}-{digest}-{record.seed}.json"
-
-
-def _write(path: Path, content: Mapping[str, Any]) -> None:
-    text = json.dumps(content) + "\n"
-    atomically(path, lambda unfinished: unfinished.write_text(text, encoding="utf-8"))
+    return f"{readable[:80]}-{digest}-{record.seed}"

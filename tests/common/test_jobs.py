@@ -1,0 +1,143 @@
+"""Jobs done by processes of this computer and on a real Dask cluster: every result is given, and given once."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import joblib
+import pytest
+
+from stickslip.common.jobs import as_done
+
+
+def square(job):
+    return job * job, os.getpid()
+
+
+def deaf(_):
+    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+def refuse_two(job):
+    if job == 2:
+        raise ValueError("not two")
+    return job
+
+
+def sleepy(job):
+    time.sleep(0.3)
+    return job, os.getpid()
+
+
+def fatal(job):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def leave_a_note(folder):
+    (Path(folder) / str(os.getpid())).touch()
+    time.sleep(600)
+
+
+def squares(done):
+    return sorted((index, square) for index, (square, _) in done)
+
+
+SQUARES = [(0, 9), (1, 16), (2, 25), (3, 36)]
+
+
+def test_one_process_is_this_one_and_does_no_more_than_is_asked_for():
+    begun = []
+    results = as_done(begun.append, [3, 4])
+    assert next(results) == (0, None)
+    assert begun == [3]
+    assert list(as_done(square, [3, 4])) == [(0, (9, os.getpid())), (1, (16, os.getpid()))]
+    assert list(as_done(square, [], processes=2)) == []
+
+
+def test_several_processes_do_each_job_once_and_leave_interrupts_to_this_one():
+    done = list(as_done(square, [3, 4, 5, 6], processes=2))
+    assert squares(done) == SQUARES
+    assert os.getpid() not in {pid for _, (_, pid) in done}
+    assert list(as_done(deaf, [0], processes=2)) == [(0, True)]
+    with pytest.raises(ValueError, match="not two"):
+        list(as_done(refuse_two, range(4), processes=2))
+
+
+PARENT = """
+import sys
+sys.path.insert(0, {folder!r})
+from test_jobs import as_done, leave_a_note
+list(as_done(leave_a_note, [sys.argv[1]] * 2, processes=2))
+"""
+
+
+def test_processes_end_with_the_one_that_was_killed(tmp_path):
+    program = PARENT.format(folder=str(Path(__file__).parent))
+    parent = subprocess.Popen([sys.executable, "-c", program, str(tmp_path)])
+    try:
+        until = time.monotonic() + 60
+        while len(workers := [int(file.name) for file in tmp_path.iterdir()]) < 2:
+            assert time.monotonic() < until
+            time.sleep(0.02)
+    finally:
+        parent.kill()
+        parent.wait()
+    until = time.monotonic() + 20
+    while any(alive(worker) for worker in workers):
+        assert time.monotonic() < until
+        time.sleep(0.02)
+
+
+def alive(process):
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.fixture
+def cluster():
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        yield cluster
+
+
+@pytest.mark.slow
+def test_a_cluster_does_each_job_though_workers_are_killed(cluster):
+    done, killed = [], 0
+    for index, (job, worker) in as_done(sleepy, range(20), dask=cluster.scheduler_address):
+        done.append((index, job))
+        if len(done) in (2, 9):
+            os.kill(worker, signal.SIGKILL)
+            killed += 1
+    assert killed == 2
+    assert sorted(done) == [(k, k) for k in range(20)]
+
+
+@pytest.mark.slow
+def test_what_fails_on_a_cluster_fails_here(cluster):
+    from distributed import Client, KilledWorker
+
+    with Client(cluster) as client:
+        assert squares(as_done(square, [3, 4, 5, 6], dask=client)) == SQUARES
+        with pytest.raises(ValueError, match="not two"):
+            list(as_done(refuse_two, range(4), dask=client))
+        with pytest.raises(KilledWorker):
+            list(as_done(fatal, [0], dask=client))
+        assert client.status == "running"
+
+
+@pytest.mark.slow
+def test_a_backend_of_joblib_that_the_caller_has_chosen_does_the_work(cluster):
+    from distributed import Client
+
+    with Client(cluster) as client, joblib.parallel_config("dask", client=client):
+        assert squares(as_done(square, [3, 4, 5, 6], processes=2)) == SQUARES
+    with joblib.parallel_config("threading"):
+        done = list(as_done(square, [3, 4, 5, 6], processes=2))
+    assert squares(done) == SQUARES
+    assert {pid for _, (_, pid) in done} == {os.getpid()}
