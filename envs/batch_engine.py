@@ -28,6 +28,7 @@ from ..reservoir.prequential_lanes import blank_readouts, forget, packed, Readou
 from .batch_kernel import batch_of, draw_shares, Episode, STEP_BATCH
 from .calibration import calibrated_memory, calibration_valves
 from .infos import COUNTS, NUMBERS
+from .observation import valves_seen
 from .rendering.frame import Frame, frame_of
 from .settings import Choice, columns_of_numbers, drawn_numbers, numbers_of, Settings
 from .state import CrawlerState
@@ -80,7 +81,7 @@ class BatchEngine:
         self._alike = len(kinds) == 1 and not settings.randomize
         count = len(kind)
         self._episode = Episode(settings.hold, settings.dither, settings.memory_weight, longest)
-        self.batch, self.results = batch_of(count, settings.samples)
+        self.batch, self.results = batch_of(count, settings.samples, settings.valve_history)
         self.generators: list[Any] = [None] * count
         self.seeds: list[int | None] = [None] * count
         self._sources = np.zeros((2, count), np.uint64)  # of the numbers drawn at a reset
@@ -158,6 +159,7 @@ class BatchEngine:
             self._draw(np.flatnonzero(mask), choices)
         self.batch.bodies[:, : len(mask)][:, mask] = 0.0
         self.batch.steps[mask] = 0
+        self.batch.histories[mask] = 0
         self.results.observations[mask] = 0.0
         self.results.numbers[: len(NUMBERS), mask] = 0.0
         self.results.counts[:, mask] = 0
@@ -322,6 +324,7 @@ class BatchEngine:
             self.batch.bodies[:, indices] = state.body[:, np.newaxis]
             self.batch.steps[indices] = state.steps
             self.results.observations[indices] = state.observation
+            self.batch.histories[indices] = valves_seen(state.observation)
             self.results.numbers[: len(NUMBERS), indices] = state.told[: len(NUMBERS), np.newaxis]
             self.results.counts[:, indices] = state.told[len(NUMBERS) :, np.newaxis]
             if self._readouts is not None:

@@ -32,6 +32,7 @@ class Batch(NamedTuple):
     samples: Array  # (3, samples, width): z, v, p in the last hold
     generators: NDArray[np.uint64]  # (2, n): where the random numbers come from, see `stickslip.compiling.generators`
     valves: NDArray[np.int64]  # (width,): in the last hold
+    histories: NDArray[np.int64]  # (n,): valves of the last 64 holds, each a bit, the newest lowest
     starts: Array  # (width,): where the foot was before it
     scores: Array  # (width,): innovations, then what they earned
     steps: NDArray[np.int64]  # (n,): of the episode
@@ -40,7 +41,7 @@ class Batch(NamedTuple):
 class Results(NamedTuple):
     """What a step answers, each of n."""
 
-    observations: NDArray[np.float32]  # (n, OBSERVATION)
+    observations: NDArray[np.float32]  # (n, observation)
     rewards: Array
     truncations: NDArray[np.bool_]
     numbers: Array  # (NUMBERS, the groups and the slope, n)
@@ -58,7 +59,7 @@ class Episode(NamedTuple):
     longest: int  # steps of an episode
 
 
-def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
+def batch_of(count: int, samples: int, valve_history: int) -> tuple[Batch, Results]:
     """A batch of crawlers, and a place for its results, all zero."""
     width = -(-count // LANES) * LANES
     batch = Batch(
@@ -67,12 +68,13 @@ def batch_of(count: int, samples: int) -> tuple[Batch, Results]:
         aligned_zeros(3, samples, width),
         np.zeros((2, count), np.uint64),
         np.zeros(width, np.int64),
+        np.zeros(count, np.int64),
         aligned_zeros(width),
         aligned_zeros(width),
         np.zeros(count, np.int64),
     )
     results = Results(
-        seen_at_rest(count),
+        seen_at_rest(valve_history, count),
         np.zeros(count),
         np.zeros(count, np.bool_),
         np.zeros((len(NUMBERS) + len(Groups.__slots__) + 1, count)),
@@ -191,12 +193,14 @@ def _step_batch(
             continue
         if results.statuses[i] != FINISHED:
             continue
+        batch.histories[i] = batch.histories[i] << 1 | batch.valves[i]
         step = Transition(
             batch.starts[i],
             body_of(batch.bodies, i),
             coefficients_at(batch.coefficients, i),
             commands[i],
             batch.valves[i],
+            batch.histories[i],
             hold,
             dither,
             episode.memory_weight,

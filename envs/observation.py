@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from ..compiling.compilation import formula
 from ..crawler import Scene
-from .transition import Formula, Transition, writer
+from .transition import Transition, writer
 
-__all__ = ["OBSERVATION", "Component", "observation_space", "observe", "seen_at_rest"]
+__all__ = ["OBSERVATION", "VALVES", "Component", "observation_space", "observe", "seen_at_rest", "valves_seen"]
 
 Bounds = tuple[float, float]
 
@@ -20,7 +20,7 @@ class Component(NamedTuple):
     """One number of the observation, 0 of a crawler at rest with its valve shut."""
 
     name: str
-    formula: Formula
+    formula: Callable[..., Any]  # of a `Transition`
     bounds: Callable[[Scene], Bounds]
 
 
@@ -45,8 +45,8 @@ def _foot_velocity(step: Transition) -> float:
 
 
 @formula
-def _valve(step: Transition) -> float:
-    return step.valve
+def _valve(step: Transition, age: int) -> float:
+    return step.valves >> age & 1
 
 
 def _unbounded(_: Scene) -> Bounds:
@@ -66,21 +66,41 @@ OBSERVATION = (
     Component("velocity", _velocity, _unbounded),
     Component("pressure", _pressure, _from_shut_to_open),
     Component("foot_velocity", _foot_velocity, _of_the_foot),
-    Component("valve", _valve, _from_shut_to_open),
 )
 """In the order that a policy sees; `StickSlipCrawlerEnv` documents each."""
 
-observe = writer([each.formula for each in OBSERVATION])
-"""Write the observation of a transition into an array, in compiled code."""
+VALVES = Component("valve", _valve, _from_shut_to_open)
+"""What follows, for each of the last valve states, newest first; its formula takes the age too, 0 of the newest."""
+
+_write_body = writer([each.formula for each in OBSERVATION])
+_FIRST_VALVE = len(OBSERVATION)
 
 
-def observation_space(scene: Scene) -> spaces.Space[NDArray[np.float32]]:
-    """Space of the observations in a scene."""
-    low, high = np.array([each.bounds(scene) for each in OBSERVATION], np.float32).T
+@formula
+def observe(target: NDArray[np.float32], step: Transition) -> None:
+    """Write the observation of a transition into an array, in compiled code."""
+    _write_body(target, step)
+    for age in range(len(target) - _FIRST_VALVE):
+        target[_FIRST_VALVE + age] = _valve(step, age)
+
+
+@formula
+def valves_seen(observation: NDArray[np.float32]) -> np.int64:
+    """Valve states that an observation shows, as `Transition.valves` has them."""
+    valves = np.int64(0)
+    for age in range(len(observation) - _FIRST_VALVE):
+        valves |= np.int64(observation[_FIRST_VALVE + age]) << np.int64(age)
+    return valves
+
+
+def observation_space(scene: Scene, valve_history: int) -> spaces.Space[NDArray[np.float32]]:
+    """Space of the observations in a scene, with so many valve states."""
+    seen = *OBSERVATION, *[VALVES] * valve_history
+    low, high = np.array([each.bounds(scene) for each in seen], np.float32).T
     space: spaces.Space[Any] = spaces.Box(low, high)
     return space
 
 
-def seen_at_rest(*count: int) -> NDArray[np.float32]:
-    """Observations of crawlers at rest with their valves shut, of shape (*count, len(OBSERVATION))."""
-    return np.zeros((*count, len(OBSERVATION)), np.float32)
+def seen_at_rest(valve_history: int, *count: int) -> NDArray[np.float32]:
+    """Observations of crawlers at rest whose valves were shut, of shape (*count, observation)."""
+    return np.zeros((*count, _FIRST_VALVE + valve_history), np.float32)

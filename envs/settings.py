@@ -28,6 +28,7 @@ __all__ = [
 _HOLDS = "(0, 10000]"
 # Of delays and of virtual nodes: the readout's covariance has the square of the latter.
 _MOST = 1000
+_MOST_REMEMBERED = 64  # valve states, the bits of a number
 _SLOPE = "slope"
 
 CRAWLER_OPTIONS = ("groups", _SLOPE)
@@ -57,6 +58,7 @@ class Settings:
     memory_weight: float
     delays: int
     virtual_nodes: int
+    valve_history: int
     randomize: Mapping[str, Range]  # in the order of the groups' fields, the slope last
 
     @classmethod
@@ -71,6 +73,7 @@ class Settings:
         memory_weight: float = 0.5,
         delays: int = 20,
         virtual_nodes: int = 4,
+        valve_history: int = 1,
         randomize: Mapping[str, Sequence[float]] | None = None,
     ) -> "Settings":
         """Check the arguments.
@@ -95,6 +98,7 @@ class Settings:
             number_within("memory_weight", memory_weight, "[0, 1]"),
             whole_number("delays", delays, 1, _MOST),
             whole_number("virtual_nodes", virtual_nodes, 1, _MOST),
+            whole_number("valve_history", valve_history, 1, _MOST_REMEMBERED),
             _ranges(randomize, groups),
         )
         if settings.memory_weight > 0.0 and settings.dither == 0.0:

@@ -70,8 +70,11 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
     | 2   | pressure p                            | 0      | 1       | P_max     |
     | 3   | velocity w of the foot                | 0, or -Inf without ratchet | Inf | z_c / t_c |
     | 4   | valve state u, after the flip         | 0      | 1       |           |
+    | 5.. | the `valve_history` - 1 before it, newest first | 0 | 1  |           |
 
-    The foot's position is not observed: nothing depends on it.
+    The foot's position is not observed: nothing depends on it. Valve states from before the episode are 0. Older ones
+    tell nothing of the motion to come, but of the flips that the body is to remember: a policy that sees the last four
+    can keep what its own gait would overwrite.
 
     ## Rewards
 
@@ -116,6 +119,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
     | `memory_weight` | float          | 0.5     | share of memory in the reward, 0 to 1; above 0 needs dither |
     | `delays`        | int            | 20      | delays read out, 1 to 1000                                  |
     | `virtual_nodes` | int            | 4       | instants of a hold at which the body is read, 1 to 1000     |
+    | `valve_history` | int            | 1       | valve states in the observation, 1 to 64                    |
     | `randomize`     | mapping        | None    | group or "slope" -> (low, high), drawn at each reset        |
     | `render_mode`   | str            | None    | `"human"` or `"rgb_array"`                                  |
 
@@ -139,6 +143,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         memory_weight: float = 0.5,
         delays: int = 20,
         virtual_nodes: int = 4,
+        valve_history: int = 1,
         randomize: Mapping[str, Sequence[float]] | None = None,
         render_mode: Literal["human", "rgb_array"] | None = None,
     ) -> None:
@@ -151,6 +156,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             memory_weight=memory_weight,
             delays=delays,
             virtual_nodes=virtual_nodes,
+            valve_history=valve_history,
             randomize=randomize,
         )
         if render_mode not in (None, "human", "rgb_array"):
@@ -158,10 +164,10 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         self.render_mode = render_mode
 
         self.action_space = spaces.Discrete(2)
-        self.observation_space = observation_space(self.settings.scene)
+        self.observation_space = observation_space(self.settings.scene, self.settings.valve_history)
 
         self._samples = samples_of(self.settings.samples)
-        self._observation = seen_at_rest()
+        self._observation = seen_at_rest(self.settings.valve_history)
         self._answers = np.empty(ANSWERS)
         self._memory: PrequentialMemory | None = None
         self._drawn_from: np.random.Generator | None = None
@@ -201,7 +207,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             self._readout = self._memory.arrays
         self._settle(*self.settings.draw(self.np_random, choice))
         self._body = rest()
-        self._observation = seen_at_rest()
+        self._observation = seen_at_rest(self.settings.valve_history)
         self._answers[:] = 0.0
         self._steps = 0
         if self.render_mode == "human":

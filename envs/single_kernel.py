@@ -23,7 +23,7 @@ from ..crawler.steps.options import FINISHED, Hold, MAX_STEPS, Method, METHODS, 
 from ..reservoir.prequential import score
 from .calibration import calibration_valves
 from .infos import place_of, TOLD, write_told
-from .observation import observe, seen_at_rest
+from .observation import observe, seen_at_rest, valves_seen
 from .reward import reward, surprise
 from .settings import Settings
 from .transition import Transition
@@ -100,7 +100,7 @@ def calibration_states(settings: Settings) -> Array:
     valves = calibration_valves(settings)
     groups, scene = settings.groups, settings.scene
     step, fixed, workspace, solver = stepper_for(settings, groups, scene)
-    body, observation, answers = rest(), seen_at_rest(), np.zeros(ANSWERS)
+    body, observation, answers = rest(), seen_at_rest(settings.valve_history), np.zeros(ANSWERS)
     samples = samples_of(settings.samples)
     states = np.empty((len(valves), settings.features))
     for k, valve in enumerate(valves.tolist()):
@@ -149,7 +149,7 @@ def _step(
     workspace : array
         From :func:`stepper_for`.
     observation : array of float32
-        Receives what `stickslip.envs.observation` names.
+        Of the step before; receives what `stickslip.envs.observation` names.
     answers : (ANSWERS,) array
         Filled.
     weights, covariance, history, rows, seen
@@ -192,7 +192,8 @@ def _step(
     if len(weights) > 0:
         message = surprise(valve, command, dither)
         memory = score(weights, covariance, history, rows, seen, samples, message, fixed[_VARIANCE])
-    step = Transition(start, after, coefficients, command, valve, hold, dither, fixed[_WEIGHT], memory)
+    valves = int(valves_seen(observation)) << 1 | valve
+    step = Transition(start, after, coefficients, command, valve, valves, hold, dither, fixed[_WEIGHT], memory)
     observe(observation, step)
     write_told(answers, step)
     answers[REWARD] = reward(step)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..crawler import Groups, Scene
 from .infos import TOLD
-from .observation import OBSERVATION
+from .observation import seen_at_rest
 from .settings import Settings
 
 __all__ = ["CrawlerState", "refuse_foreign"]
@@ -79,12 +79,13 @@ def refuse_foreign(state: object, settings: Settings) -> None:
     version = getattr(state, "version", None)
     if version != VERSION:
         raise ValueError(f"state must be of version {VERSION}, got one of version {version}")
-    if len(state.told) != len(TOLD) or len(state.observation) != len(OBSERVATION):
-        raise ValueError(
-            f"state must hold an observation of {len(OBSERVATION)} and {TOLD}, "
-            f"got an observation of {len(state.observation)} and {len(state.told)} numbers told"
-        )
     for field in fields(Settings):
         own, other = (getattr(each, field.name, None) for each in (settings, state.settings))
         if own != other:
             raise ValueError(f"state must come from an environment of {field.name} = {own!r}, got one of {other!r}")
+    size = len(seen_at_rest(settings.valve_history))
+    if len(state.told) != len(TOLD) or len(state.observation) != size:
+        raise ValueError(
+            f"state must hold an observation of {size} and {TOLD}, "
+            f"got an observation of {len(state.observation)} and {len(state.told)} numbers told"
+        )

@@ -19,6 +19,7 @@ class Transition(NamedTuple):
     coefficients: Coefficients
     command: int
     valve: int  # after the flip
+    valves: int  # this one and those of the holds before, each a bit, the newest lowest
     hold: float
     dither: float
     memory_weight: float

@@ -56,7 +56,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     num_envs : int, >= 1
     groups : Groups, str, mapping or Actuator, or a sequence of num_envs of these
         As in `StickSlipCrawlerEnv`; a sequence gives each sub-environment its own.
-    scene, hold, tolerance, dither, memory_weight, delays, virtual_nodes, randomize
+    scene, hold, tolerance, dither, memory_weight, delays, virtual_nodes, valve_history, randomize
         As in `StickSlipCrawlerEnv`.
     max_episode_steps : int, optional
         Steps after which an episode is truncated; None or -1 for never. `make_vec` sets 1000.
@@ -94,6 +94,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         memory_weight: float = 0.5,
         delays: int = 20,
         virtual_nodes: int = 4,
+        valve_history: int = 1,
         randomize: Mapping[str, Sequence[float]] | None = None,
         max_episode_steps: int | None = 1000,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
@@ -111,6 +112,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             "memory_weight": memory_weight,
             "delays": delays,
             "virtual_nodes": virtual_nodes,
+            "valve_history": valve_history,
             "randomize": randomize,
         }
         each = groups_of(groups, self.num_envs)
@@ -130,7 +132,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
 
         self.single_action_space = spaces.Discrete(2)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self.single_observation_space = observation_space(self.settings.scene)
+        self.single_observation_space = observation_space(self.settings.scene, self.settings.valve_history)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
 
         longest = int(np.iinfo(np.int64).max)

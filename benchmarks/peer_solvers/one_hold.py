@@ -64,7 +64,7 @@ def _from_compiled(all_holds, stepper: Stepper) -> None:
 
 
 def _arrays(stepper: Stepper):
-    return rest(), samples_of(1), stepper.workspace, seen_at_rest(), np.empty(ANSWERS), *NO_MEMORY
+    return rest(), samples_of(1), stepper.workspace, seen_at_rest(1), np.empty(ANSWERS), *NO_MEMORY
 
 
 # Neither is cached on disk: numba would go on using the kernel that it saw first.

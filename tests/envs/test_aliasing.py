@@ -44,7 +44,7 @@ def arrays_of(state):
     return state.body, state.told, state.observation, *state.readout
 
 
-MAKERS = [StickSlipCrawlerEnv, lambda: StickSlipCrawlerVectorEnv(COUNT)]
+MAKERS = [lambda: StickSlipCrawlerEnv(valve_history=3), lambda: StickSlipCrawlerVectorEnv(COUNT, valve_history=3)]
 
 
 @pytest.mark.parametrize("make", MAKERS, ids=["single", "batch"])
@@ -122,6 +122,17 @@ def test_options_masks_and_actions_may_be_changed_once_they_are_given():
     env.step(actions), twin.step(actions.copy())
     actions[:] = 7
     assert_go_on_alike(env, twin)
+
+
+def test_what_a_batch_without_copies_shows_may_be_written_to():
+    """A policy may scale it in place."""
+    env, twin = (StickSlipCrawlerVectorEnv(COUNT, valve_history=4, copy=copy) for copy in (False, True))
+    env.reset(seed=0)[0][:] = 5.0
+    twin.reset(seed=0)
+    for command in commands(12):
+        answer, expected = act(env, command), act(twin, command)
+        np.testing.assert_array_equal(answer[0], expected[0])
+        answer[0][:] = 5.0
 
 
 def test_what_one_sub_environment_answers_is_its_callers():

@@ -10,6 +10,7 @@ from stickslip.envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
 from stickslip.envs.calibration import calibration_valves as valves_of
 
 DEFAULTS = {"hold": 0.5, "tolerance": 1e-6, "dither": 0.1, "memory_weight": 0.5, "delays": 20, "virtual_nodes": 4}
+DEFAULTS |= {"valve_history": 1}
 GAIT = np.resize([1, 1, 1, 0, 0], 30)
 SEED = 7
 
@@ -49,7 +50,7 @@ def expected_of(commands, seed, arguments, options=None, calibrated=None):
         slips[:] = [told.slips]
         return motion
 
-    weights = {name: given[name] for name in ("hold", "dither", "memory_weight", "delays")}
+    weights = {name: given[name] for name in ("hold", "dither", "memory_weight", "delays", "valve_history")}
     return episode(commands, flips, move, calibration, **weights), slips[0], groups, world["slope"]
 
 
@@ -131,6 +132,8 @@ ARGUMENTS = [
     {"delays": 50},
     {"virtual_nodes": 1},
     {"virtual_nodes": 6},
+    {"valve_history": 4},
+    {"valve_history": 64, "dither": 0.0, "memory_weight": 0.0},
     {"randomize": {"duffing": [0.1, 2.0], "static_friction": [0.2, 0.4], "slope": [-0.05, 0.1]}},
     {"hold": 30.0, "virtual_nodes": 2, "groups": "linear"},  # a calibration of fewer holds
     {"hold": 500.0, "virtual_nodes": 2, "groups": "linear"},  # and of the fewest

@@ -30,7 +30,7 @@ ARGUMENTS = [
     SPEED_ONLY,
     {"groups": "high-damping", "scene": {"ratchet": False}, "hold": 2.0, "tolerance": 1e-9},
     {"groups": {"deborah": 2.0}, "scene": {"anchored": True}, "dither": 0.5, "memory_weight": 1.0, "virtual_nodes": 1},
-    {"randomize": {"duffing": [0.1, 2.0], "static_friction": [0.2, 0.5]}, "delays": 3},
+    {"randomize": {"duffing": [0.1, 2.0], "static_friction": [0.2, 0.5]}, "delays": 3, "valve_history": 4},
 ]
 
 
@@ -66,13 +66,15 @@ def test_what_knows_no_bound_says_so(arguments):
     space = gym.make(NAME, **arguments).observation_space
     scene = Scene.of(arguments.get("scene"))
     backward = 0.0 if scene.ratchet or scene.anchored else -np.inf
-    np.testing.assert_array_equal(space.low, np.float32([-np.inf, -np.inf, 0, backward, 0]))
-    np.testing.assert_array_equal(space.high, np.float32([np.inf, np.inf, 1, np.inf, 1]))
+    history = arguments.get("valve_history", 1)
+    np.testing.assert_array_equal(space.low, np.float32([-np.inf, -np.inf, 0, backward, *[0] * history]))
+    np.testing.assert_array_equal(space.high, np.float32([np.inf, np.inf, 1, np.inf, *[1] * history]))
     table = inspect.getdoc(StickSlipCrawlerEnv).split("## Observation Space")[1].split("## Rewards")[0]
     rows = [
-        [cell.strip() for cell in row.split("|")[3:5]] for row in table.splitlines() if row[:3].strip("| ").isdigit()
+        [cell.strip() for cell in row.split("|")[3:5]] for row in table.splitlines() if row[:3].strip("| .").isdigit()
     ]
-    assert rows == [["-Inf", "Inf"], ["-Inf", "Inf"], ["0", "1"], ["0, or -Inf without ratchet", "Inf"], ["0", "1"]]
+    foot, valve = ["0, or -Inf without ratchet", "Inf"], ["0", "1"]
+    assert rows == [["-Inf", "Inf"], ["-Inf", "Inf"], ["0", "1"], foot, valve, valve]
 
 
 @pytest.mark.parametrize("wrap", [RescaleObservation, DiscretizeObservation])
@@ -228,6 +230,7 @@ def test_the_arguments_survive_json():
         "hold": 0.7,
         "randomize": {"duffing": [0.1, 2.0]},
         "dither": 0.2,
+        "valve_history": 3,
     }
     env = gym.make(NAME, **arguments)
     kwargs = json.loads(json.dumps(env.spec.kwargs))

@@ -10,12 +10,12 @@ from stickslip import Groups, Scene
 from stickslip.crawler.model.state import Body, coefficients_of
 from stickslip.envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
 from stickslip.envs.infos import COUNTS, infos_of_each, NUMBERS, TOLD
-from stickslip.envs.observation import OBSERVATION
+from stickslip.envs.observation import OBSERVATION, observe, seen_at_rest, VALVES, valves_seen
 from stickslip.envs.reward import OBJECTIVES, reward
 from stickslip.envs.transition import Transition
 
 BODY = Body(0.1, -0.2, 0.3, 1.5, 0.6, 1, 9)
-STEP = Transition(1.0, BODY, coefficients_of(Groups(), Scene()), 1, 0, 0.25, 0.1, 0.75, 4.0)
+STEP = Transition(1.0, BODY, coefficients_of(Groups(), Scene()), 1, 0, 0b0110, 0.25, 0.1, 0.75, 4.0)
 
 
 def rows_of(section, until):
@@ -25,14 +25,35 @@ def rows_of(section, until):
 
 
 def test_the_observation_is_what_the_table_says_and_the_documentation_has_a_row_for_each():
-    assert [each.formula(STEP) for each in OBSERVATION] == [0.1, -0.2, 0.3, 0.6, 0]
-    rows = rows_of("Observation Space", "Rewards")
-    assert [int(row[0]) for row in rows] == list(range(len(OBSERVATION)))
-    for row, component in zip(rows, OBSERVATION, strict=True):
+    assert [each.formula(STEP) for each in OBSERVATION] == [0.1, -0.2, 0.3, 0.6]
+    assert [VALVES.formula(STEP, age) for age in range(5)] == [0, 1, 1, 0, 0]
+    *rows, rest = rows_of("Observation Space", "Rewards")
+    assert [int(row[0]) for row in rows] == list(range(len(OBSERVATION) + 1))
+    for row, component in zip(rows, (*OBSERVATION, VALVES), strict=True):
         assert set(component.name.split("_")) <= set(row[1].replace("rate", "velocity").replace(",", "").split())
-    env, envs = StickSlipCrawlerEnv(), StickSlipCrawlerVectorEnv(2)
+    assert rest[0] == f"{len(rows)}.."
+
+
+@pytest.mark.parametrize("history", [1, 2, 64])
+def test_everything_has_the_shape_of_the_table_and_the_valves_that_are_asked_for(history):
+    env, envs = StickSlipCrawlerEnv(valve_history=history), StickSlipCrawlerVectorEnv(2, valve_history=history)
     answers = env.reset(seed=0)[0], env.step(1)[0], envs.reset(seed=0)[0][0], envs.step([1, 1])[0][1]
-    assert {answer.shape for answer in answers} == {env.observation_space.shape} == {(len(OBSERVATION),)}
+    shapes = {answer.shape for answer in answers} | {env.observation_space.shape, seen_at_rest(history).shape}
+    assert shapes == {(len(OBSERVATION) + history,)}
+
+
+@pytest.mark.parametrize("history", [1, 2, 63, 64])
+def test_valves_are_read_back_from_an_observation(history):
+    bits = np.random.default_rng(history).integers(0, 2, 64)
+    bits[63] = 1  # the sign
+    valves = int(np.packbits(bits, bitorder="little").view("<i8")[0])
+    target = seen_at_rest(history)
+    observe(target, STEP._replace(valves=valves))
+    np.testing.assert_array_equal(target[len(OBSERVATION) :], bits[:history])
+    np.testing.assert_array_equal(target[: len(OBSERVATION)], np.float32([0.1, -0.2, 0.3, 0.6]))
+    kept = valves_seen(target)
+    assert [int(kept) >> age & 1 for age in range(history)] == bits[:history].tolist()
+    assert isinstance(kept, np.int64)
 
 
 def test_the_reward_weighs_the_objectives():

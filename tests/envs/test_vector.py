@@ -26,7 +26,7 @@ ARGUMENTS = [
     {},
     SPEED_ONLY,
     {"randomize": {"duffing": [0.0, 2.0], "slope": [-0.1, 0.1], "kinetic_friction": [0.0, 0.3]}, "delays": 3},
-    {"groups": "linear", "hold": 1.0, "virtual_nodes": 2},
+    {"groups": "linear", "hold": 1.0, "virtual_nodes": 2, "valve_history": 5},
     {"groups": "linear", "scene": {"anchored": True}, **SPEED_ONLY},
     {"groups": "high-damping", "scene": {"ratchet": False}, "tolerance": 1e-9, "dither": 0.5, "memory_weight": 1.0},
     {"randomize": {"damping_ratio": [0.05, 300.0]}, "virtual_nodes": 1},  # by more than one solver

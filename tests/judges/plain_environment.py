@@ -29,7 +29,7 @@ _STEPS_A_HOLD = 48  # a multiple of the virtual nodes in use
 class Episode(NamedTuple):
     """What each step of an episode should answer; every array has one row a step."""
 
-    observations: NDArray[np.float64]  # z, v, p, w, u
+    observations: NDArray[np.float64]  # z, v, p, w, and u of this hold and of those before
     rewards: NDArray[np.float64]
     speed: NDArray[np.float64]
     memory: NDArray[np.float64]
@@ -48,6 +48,7 @@ def episode(
     dither: float,
     memory_weight: float,
     delays: int,
+    valve_history: int = 1,
 ) -> Episode:
     """An episode from rest.
 
@@ -58,7 +59,7 @@ def episode(
         From the (steps,) valve states to the (steps, nodes, 5) states z, v, p, x, w of the body.
     calibration : (holds, nodes, 5) array or None
         What `move` says of the calibration's valves; None without dither.
-    hold, dither, memory_weight, delays
+    hold, dither, memory_weight, delays, valve_history
         Arguments of the environment.
     """
     valve = np.where(flips, 1 - commands, commands)
@@ -70,7 +71,8 @@ def episode(
     if calibration is not None:
         memory = memory_scores(_features(motion), innovation, _features(calibration), delays, dither * (1 - dither))
     rewards = (1 - memory_weight) * speed + memory_weight * memory
-    return Episode(np.column_stack([z, v, p, w, valve]), rewards, speed, memory, x, innovation, valve)
+    seen = [np.concatenate([np.zeros(age), valve])[: len(valve)] for age in range(valve_history)]
+    return Episode(np.column_stack([z, v, p, w, *seen]), rewards, speed, memory, x, innovation, valve)
 
 
 def calibration_valves(hold: float) -> NDArray[np.int64]:

@@ -47,6 +47,7 @@ def test_what_is_not_said_is_as_documented():
         "memory_weight",
         "delays",
         "virtual_nodes",
+        "valve_history",
         "randomize",
     )
     assert next(iter(ALGORITHMS)) == "ppo"

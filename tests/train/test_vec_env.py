@@ -67,7 +67,9 @@ def assert_same_life(native, singles, steps, seed=3):
             assert_same(native.reset_infos, singles.reset_infos, f"reset infos of step {k}")
 
 
-@pytest.mark.parametrize("arguments", [{}, SPEED_ONLY, DRAWN, {"groups": ["linear", None, "high-damping"]}], ids=str)
+@pytest.mark.parametrize(
+    "arguments", [{"valve_history": 3}, SPEED_ONLY, DRAWN, {"groups": ["linear", None, "high-damping"]}], ids=str
+)
 def test_it_is_a_dummy_of_single_environments(arguments):
     common = {"max_episode_steps": 7, **arguments}
     assert_same_life(StickSlipVecEnv(3, **common), dummy(3, **common), 20)
