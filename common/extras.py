@@ -13,6 +13,7 @@ EXTRAS = {
     "cli": ("typer", "rich"),
     "train": ("stable_baselines3", "sb3_contrib", "threadpoolctl", "torch", "tensorboard", "tqdm", "yaml"),
     "interop": ("minari", "mo_gymnasium", "skrl", "torchrl"),
+    "export": ("onnx", "onnxruntime"),
     "demo": ("jinja2",),
     "dask": ("distributed",),
     "peers": ("envpool", "heyoka", "diffrax", "jax", "mujoco", "reservoirpy"),

@@ -23,7 +23,16 @@ _CHECKPOINT = re.compile(r"(\d+)_steps\.zip")
 ENV_ARGUMENTS = tuple(signature(Settings.of).parameters)
 ENVIRONMENTS = ("StickSlipCrawler-v0",)
 _LARGEST_SEED = 2**32 - 1
-_KEPT = ("configuration.yml", "checkpoints", "best.zip", "final.zip", "evaluations.csv", "replay_buffer.pkl")
+_KEPT = (
+    "configuration.yml",
+    "checkpoints",
+    "best.zip",
+    "best.safetensors",
+    "best.json",
+    "final.zip",
+    "evaluations.csv",
+    "replay_buffer.pkl",
+)
 
 
 @dataclass(frozen=True)
@@ -70,8 +79,9 @@ class Run:
     """The folder of one training run.
 
     Holds ``configuration.yml``, ``checkpoints/<steps>_steps.zip``, ``best.zip`` (of the periodic evaluations),
-    ``final.zip``, ``evaluations.csv``, ``tensorboard/`` and, of an off-policy algorithm, ``replay_buffer.pkl``. Every
-    file appears whole or not at all.
+    ``final.zip``, ``evaluations.csv`` and ``tensorboard/``; of a policy without memory ``best.safetensors`` and
+    ``best.json``, which are the best policy's as `stickslip.train.policies` keeps it; and of an off-policy algorithm
+    ``replay_buffer.pkl``. Every file appears whole or not at all.
 
     Parameters
     ----------
@@ -138,6 +148,11 @@ class Run:
     def best(self) -> Path:
         """Where the best policy of the periodic evaluations is kept."""
         return self.folder / "best.zip"
+
+    @property
+    def best_policy(self) -> Path:
+        """Where the best policy is kept as plain numbers, without the suffixes of its two files."""
+        return self.folder / "best"
 
     @property
     def replay_buffer(self) -> Path:

@@ -16,6 +16,8 @@ from ..envs import StickSlipCrawlerEnv
 from .algorithms import algorithm_class
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .hyperparameters import resolve
+from .policies.files import write_policy
+from .policies.from_model import has_policy, policy_of
 from .run import Configuration, Run
 from .vec_env import StickSlipVecEnv
 
@@ -281,5 +283,16 @@ class _Keeper(BaseCallback):
         if reward > self._best:
             self._best = reward
             atomically(self._run.best, self.model.save)
+            if has_policy(self.model):
+                write_policy(
+                    policy_of(self.model, self._run.configuration, self._scores(evaluation)), self._run.best_policy
+                )
         self._rows.append(evaluation)
         write_evaluations(self._table, self._rows)
+
+    def _scores(self, evaluation: Evaluation) -> dict[str, Any]:
+        """An evaluation as a policy's file tells it; what the environments did not tell is left out."""
+        seeds = range(_EVALUATION_SEED, _EVALUATION_SEED + self._environments.num_envs)
+        means = {name: {"mean": value} for name, value in evaluation._asdict().items() if name != "steps"}
+        told = {name: value for name, value in means.items() if np.isfinite(value["mean"])}
+        return {"measured": "per step, in one episode a seed", "seeds": list(seeds), **told}

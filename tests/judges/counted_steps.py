@@ -2,9 +2,11 @@
 
 `python tests/judges/counted_steps.py` counts and measures them, and writes them to `counted_steps.json`. The error is
 that of the stored 50-digit references; of a row without one it is the distance from the run at the finest tolerance.
+It is steady where a start that differs by a few roundings has it too, and where it is larger than what they come to.
 """
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -15,12 +17,14 @@ from stickslip.common.files import atomically
 from stickslip.crawler import Groups, Scene, simulate, SolverError, State
 from stickslip.crawler.solvers import solvers_for
 
-__all__ = ["COUNTED", "NO_BOUND", "TABLE", "TOLERANCES", "attempt", "cases", "error_of", "written"]
+__all__ = ["COUNTED", "NO_BOUND", "STEADY", "TABLE", "TOLERANCES", "attempt", "cases", "error_of", "written"]
 
 TABLE = Path(__file__).with_name("counted_steps.json")
 TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12, 1e-15)
 FINEST = TOLERANCES[-1]
 NO_BOUND = 2_000_000
+# The part of itself by which a steady error may move, and the least that rounding leaves alone.
+STEADY, LEAST_STEADY = 0.01, 1e-11
 SAMPLED = ("deformation", "velocity", "foot", "foot_velocity")
 SYMMETRIC = Scene(ratchet=False)
 
@@ -112,7 +116,7 @@ def error_of(name: str, done) -> float:
 
 
 def written() -> dict[str, dict[str, list]]:
-    """Steps and error in tolerances, by row and by solver and tolerance."""
+    """Steps, error in tolerances and whether that is steady, by row and by solver and tolerance."""
     return json.loads(TABLE.read_text(encoding="utf-8"))
 
 
@@ -127,13 +131,27 @@ def _steps(row: Row, solver: str, tolerance: float) -> int:
     return high
 
 
+def _is_steady(name: str, solver: str, tolerance: float, error: float) -> bool:
+    if error * tolerance < LEAST_STEADY:
+        return False
+    row = COUNTED[name]
+    for roundings in (-16, -5, 1, 7):
+        there = row.initial.deformation
+        moved = row.initial._replace(deformation=there + roundings * 2.0**-53 * max(1.0, abs(there)))
+        done = attempt(replace(row, initial=moved), solver, tolerance, NO_BOUND)
+        if abs(error_of(name, done) / tolerance - error) > STEADY * error:
+            return False
+    return True
+
+
 def _count() -> None:
     table: dict[str, dict[str, list]] = {}
     for name, row in COUNTED.items():
         table[name] = {}
         for solver, tolerance in cases(name):
             error = error_of(name, attempt(row, solver, tolerance, NO_BOUND)) / tolerance
-            table[name][f"{solver} {tolerance:g}"] = [_steps(row, solver, tolerance), float(f"{error:.2g}")]
+            counts = [_steps(row, solver, tolerance), float(f"{error:.3g}"), _is_steady(name, solver, tolerance, error)]
+            table[name][f"{solver} {tolerance:g}"] = counts
     rows = [f"  {json.dumps(name)}: {json.dumps(row)}" for name, row in table.items()]
     text = "{\n" + ",\n".join(rows) + "\n}\n"
     atomically(TABLE, lambda file: file.write_text(text, encoding="utf-8"))

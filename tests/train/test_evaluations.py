@@ -15,6 +15,7 @@ from stickslip.train import StickSlipVecEnv
 from stickslip.train.evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from stickslip.train.figures import plot_learning
 from stickslip.train.hyperparameters import read_hyperparameters
+from stickslip.train.policies import read_policy
 from stickslip.train.run import Configuration
 from stickslip.train.training import load_policy, train
 
@@ -83,6 +84,22 @@ def test_the_best_policy_is_that_of_the_best_evaluation(run):
     assert 0 < best < 2  # else the first or the last policy could stand for the best
     assert torch.equal(weights(load_policy(run)), weights(load_policy(run, run.checkpoint(evaluations[best].steps))))
     assert not torch.equal(weights(load_policy(run)), weights(load_policy(run, run.final)))
+
+
+def test_the_best_policy_is_kept_as_plain_numbers_too(run):
+    policy, best = read_policy(run.best_policy), best_of(read_evaluations(run.folder / "evaluations.csv"))
+    seen = np.random.default_rng(0).normal(size=(500, 5)).astype(np.float32)
+    np.testing.assert_array_equal(policy.predict(seen), load_policy(run).predict(seen, deterministic=True)[0])
+    assert policy.env_kwargs == TRADE
+    assert policy.description["algorithm"]["steps"] == best.steps
+    assert policy.description["algorithm"]["hyperparameters"] == run.configuration.hyperparameters
+    assert policy.scores == {
+        "measured": "per step, in one episode a seed",
+        "seeds": list(range(1_000_000, 1_000_008)),
+        "reward": {"mean": best.reward},
+        "speed": {"mean": best.speed},
+        "memory": {"mean": best.memory},
+    }
 
 
 def test_the_first_of_equals_is_the_best():

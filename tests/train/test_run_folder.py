@@ -99,7 +99,17 @@ def test_the_latest_checkpoint_has_most_steps(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["configuration.yml", "checkpoints", "best.zip", "final.zip", "evaluations.csv", "replay_buffer.pkl"]
+    "name",
+    [
+        "configuration.yml",
+        "checkpoints",
+        "best.zip",
+        "best.safetensors",
+        "best.json",
+        "final.zip",
+        "evaluations.csv",
+        "replay_buffer.pkl",
+    ],
 )
 def test_what_is_left_of_another_run_is_in_the_way(tmp_path, name):
     (tmp_path / name).touch()

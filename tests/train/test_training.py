@@ -48,6 +48,8 @@ def test_a_run_keeps_its_configuration_checkpoints_evaluations_and_logs(short_ru
         "configuration.yml",
         "checkpoints",
         "best.zip",
+        "best.safetensors",
+        "best.json",
         "final.zip",
         "evaluations.csv",
         "tensorboard",

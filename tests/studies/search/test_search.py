@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from stickslip.crawler import Scene, SolverError
-from stickslip.studies.search import body_space, Choice, echo_state_space, held_out_scores, Range, search, Space
+from stickslip.studies.search import (
+    body_space,
+    Choice,
+    echo_state_space,
+    evolution,
+    held_out_scores,
+    Range,
+    search,
+    Space,
+)
 from stickslip.tasks import BodyReservoir, DelayLine, EchoState, Solution, TASKS
 from stickslip.tasks.task import CAPACITY, NRMSE
 
@@ -257,6 +266,16 @@ def test_what_a_changed_measure_has_scored_is_not_gone_on_with(tmp_path, monkeyp
     monkeypatch.setattr(Bowl, "attempt", changed)
     with pytest.raises(ValueError, match=r"the first score must be .* to go on .*: the task, its measure or the res"):
         search(Bowl(), PLANE, file=file, **SHORT)
+
+
+@pytest.mark.parametrize(("kept", "today"), [(0.0, 9e-7), (2e-17, -9e-7), (1e6, 1e6 + 0.9), (-1e-6, -1.9e-6)])
+def test_a_score_is_the_same_to_six_digits_of_itself_or_of_one(kept, today):
+    """Rounding is another elsewhere, and of a score of nearly nothing it is all there is."""
+    evaluations = [evolution.Evaluation([0.5], None), evolution.Evaluation([0.25], [kept, 3.0])]
+    evolution._reproduce(None, evaluations, lambda each: [today, 7.0] if each is evaluations[1] else None)
+    for other in ([today + 3 * (today - kept)], None):
+        with pytest.raises(ValueError, match=r"^the first score must be "):
+            evolution._reproduce(None, evaluations, lambda _, other=other: other)
 
 
 def test_bad_spaces():

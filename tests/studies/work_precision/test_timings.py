@@ -93,8 +93,9 @@ def test_the_quartiles_are_those_of_unequal_rounds(clock):
 
 
 def test_every_other_round_runs_backward(clock):
-    measure(Case(holds=40), rounds=3)
+    rows = measure(Case(holds=40), rounds=3).rows
     timed = [run for run in clock.runs if run[2] is None][-3 * 26 :]
+    assert [(solver, tolerance) for solver, tolerance, _ in timed[:26]] == [(row.solver, row.tolerance) for row in rows]
     assert timed[26:52] == timed[:26][::-1]
     assert timed[52:] == timed[:26]
 

@@ -1,0 +1,9 @@
+import pytest
+from looks import FIGURES, look_of, written
+from matplotlib import pyplot as plt
+
+
+@pytest.mark.parametrize("name", FIGURES["studies"])
+def test_nothing_of_a_figure_moves_unseen(name):
+    assert look_of(FIGURES["studies"][name]()) == written()["studies"][name]
+    plt.close("all")

@@ -1,0 +1,135 @@
+"""A trained model of Stable-Baselines3 as a policy of plain numbers."""
+
+import platform
+from collections.abc import Mapping
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from ... import __version__
+from ...common.extras import optional_import
+from ...common.fingerprint import described
+from ...envs import StickSlipCrawlerEnv
+from ..run import Configuration
+from .description import described_space, FORMAT
+from .policy import Layer, Policy
+
+with optional_import():
+    from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
+    from sb3_contrib.qrdqn.policies import QRDQNPolicy
+    from stable_baselines3.common.base_class import BaseAlgorithm
+    from stable_baselines3.common.policies import ActorCriticPolicy
+    from stable_baselines3.common.torch_layers import FlattenExtractor
+    from stable_baselines3.dqn.policies import DQNPolicy
+    from torch import nn
+
+__all__ = ["has_policy", "policy_of"]
+
+_ACTIVATIONS = {nn.Tanh: "tanh", nn.ReLU: "relu"}
+_PACKAGES = ("gymnasium", "numpy", "torch", "stable_baselines3", "sb3_contrib")
+
+
+def has_policy(model: BaseAlgorithm) -> bool:
+    """Whether `policy_of` can tell a model's policy: a recurrent one has a memory, which a `Policy` has not."""
+    return not isinstance(model.policy, RecurrentActorCriticPolicy)
+
+
+def policy_of(model: BaseAlgorithm, configuration: Configuration, scores: Mapping[str, Any] | None = None) -> Policy:
+    """The policy of a trained model.
+
+    Parameters
+    ----------
+    model : BaseAlgorithm
+        Of PPO, A2C, DQN or QR-DQN with an ``MlpPolicy``. One that takes one number more than the environment shows is
+        taken for conditioned on the memory weight.
+    configuration : Configuration
+        What it was trained by.
+    scores : mapping, optional
+        What it came to, ready for JSON; `stickslip.train.policies.scores` measures it.
+
+    Returns
+    -------
+    Policy
+        With weights of its own: a training that goes on does not change them. The quantiles of QR-DQN, whose mean
+        decides, are averaged in the last layer.
+
+    Raises
+    ------
+    ValueError
+        If the policy is recurrent, or its network is not such a perceptron from the environment's observations.
+    """
+    environment = StickSlipCrawlerEnv(**configuration.env_kwargs)
+    layers, activation, outputs = _network(model)
+    sizes = [layers[0].weight.shape[1], *(len(layer.bias) for layer in layers)]
+    (seen,) = environment.observation_space.shape or (0,)
+    if sizes[0] - seen not in (0, 1):
+        raise ValueError(
+            f"model must take the {seen} numbers that the environment shows, or the weight beside them, "
+            f"it takes {sizes[0]}"
+        )
+    description = {
+        "format": FORMAT,
+        "environment": configuration.environment,
+        "env_kwargs": configuration.env_kwargs,
+        "groups": environment.settings.groups.to_dict(),
+        "observation_space": described_space(environment.observation_space),
+        "action_space": described_space(environment.action_space),
+        "conditioned": sizes[0] > seen,
+        "network": {"sizes": sizes, "activation": activation, "outputs": outputs},
+        "algorithm": {
+            "name": configuration.algorithm,
+            "hyperparameters": described(configuration.hyperparameters),
+            "seed": configuration.seed,
+            "steps": int(model.num_timesteps),
+        },
+        "versions": {
+            "stickslip": __version__,
+            "python": platform.python_version(),
+            **{name: version(name) for name in _PACKAGES},
+        },
+        "scores": dict(scores or {}),
+    }
+    return Policy(layers, description)
+
+
+def _network(model: BaseAlgorithm) -> tuple[list[Layer], str, str]:
+    """Layers, activation, and what the outputs are."""
+    policy = model.policy
+    if not has_policy(model):
+        raise ValueError(
+            f"model must have a policy without memory, got {type(policy).__name__}: a recurrent one is kept as "
+            "Stable-Baselines3's zip alone"
+        )
+    if isinstance(policy, ActorCriticPolicy):
+        extractor, modules = policy.pi_features_extractor, [*policy.mlp_extractor.policy_net, policy.action_net]
+        outputs = "logits"
+    elif isinstance(policy, DQNPolicy):
+        extractor, modules, outputs = policy.q_net.features_extractor, [*policy.q_net.q_net], "action values"
+    elif isinstance(policy, QRDQNPolicy):
+        net = policy.quantile_net
+        extractor, modules, outputs = net.features_extractor, [*net.quantile_net], "action values"
+    else:
+        raise ValueError(f"model must have an MlpPolicy of PPO, A2C, DQN or QR-DQN, got {type(policy).__name__}")
+    if type(extractor) is not FlattenExtractor:
+        raise ValueError(f"model must take its observations as they are, it has a {type(extractor).__name__}")
+    affine, between = modules[::2], modules[1::2]
+    kinds = {type(module) for module in between}
+    if not all(isinstance(module, nn.Linear) for module in affine) or len(kinds - set(_ACTIVATIONS)) or len(kinds) > 1:
+        names = [type(module).__name__ for module in modules]
+        raise ValueError(f"model must be of linear layers with all Tanh or all ReLU between them, got {names}")
+    layers = [Layer(_numbers(module.weight), _numbers(module.bias)) for module in affine]
+    if isinstance(policy, QRDQNPolicy):
+        layers[-1] = _averaged(layers[-1], policy.quantile_net.n_quantiles)
+    return layers, _ACTIVATIONS[kinds.pop()] if kinds else "tanh", outputs
+
+
+def _averaged(layer: Layer, quantiles: int) -> Layer:
+    """Means of an affine map's outputs over quantiles, of which each has one output for each action."""
+    weight = layer.weight.reshape(quantiles, -1, layer.weight.shape[1]).mean(axis=0, dtype=np.float64)
+    bias = layer.bias.reshape(quantiles, -1).mean(axis=0, dtype=np.float64)
+    return Layer(weight.astype(np.float32), bias.astype(np.float32))
+
+
+def _numbers(parameter: Any) -> np.ndarray:
+    return np.asarray(parameter.detach().cpu().numpy(), np.float32).copy()
