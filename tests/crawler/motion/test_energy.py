@@ -231,3 +231,16 @@ def test_the_scale_counts_every_energy_once(arguments):
     elastic = 0.5 * 9.0 + 0.25 * groups["duffing"] * 81.0
     assert done.energy_scale > 1.9 * (elastic + masses)
     assert done.energy_scale < 2.2 * (elastic + masses) + 0.2
+
+
+@pytest.mark.parametrize("groups", [Groups(), LINEAR], ids=["nonlinear", "linear"])
+def test_the_scale_counts_what_a_slope_takes_and_gives_back(groups):
+    """Thrown uphill without friction it comes back as fast: a kinetic energy at either end, and one each way."""
+    free = Groups(**groups.to_dict() | {"static_friction": 0.0, "kinetic_friction": 0.0})
+    scene, speed = Scene(ratchet=False, slope=0.25), 0.5
+    solvers = ["taylor", "radau", *(["closed_form"] if groups is LINEAR else [])]
+    for solver in solvers:
+        done = run(free, [0] * 4, 1.0, scene=scene, initial=State(foot_velocity=speed), solver=solver)
+        assert done.foot_velocity[-1] == pytest.approx(-speed, abs=1e-8)
+        assert done.energy_scale == pytest.approx(4 * speed**2 / 2, rel=1e-6)
+        assert done.work == done.viscous_loss == done.friction_loss == 0.0

@@ -202,6 +202,23 @@ def test_a_step_is_repeated_for_an_event_early_in_it_or_faint():
     assert repeated(0.5, pace=pace._replace(error=0.0)) == AFRESH, "a Taylor series"
 
 
+def test_no_step_is_so_short_that_its_powers_leave_the_range_of_floats():
+    """Its coefficients are divided by them: of a step shorter by four decades some are no numbers."""
+    coefficients = coefficients_of(Groups(), Scene())
+    body = Body(0.3, 0.1, 0.9, 0.0, 1.0, FORWARD, 1)
+    pace = Pace(2.0, 1.0, 1.0, 0.3, 1e-3)
+    assert refine_event_step(body, coefficients, 1e-3, pace, 0.99e-25) == AFRESH
+    assert refine_event_step(body, coefficients, 1e-3, pace, 1.01e-25) == Pace(pytest.approx(1.111e-25), 1, 0, 0.3, 0)
+    for length, finite in ((1e-25, True), (1e-29, False)):
+        series = np.zeros((ROWS, WIDTH))
+        with np.errstate(over="ignore", invalid="ignore"):
+            taken, _ = collocate(
+                body, coefficients, 0.0, 1.0, STAGES[-1], 1e-15, AFRESH._replace(length=length), series
+            )
+        assert taken == length
+        assert np.isfinite(series[[Z, V, P, FORCE], : STAGES[-1] + 1]).all() == finite
+
+
 def test_stages_grow_with_the_digits_asked_for():
     stages = [stages_for(10.0**-digits) for digits in range(2, 16)]
     assert stages == sorted(stages)
