@@ -8,7 +8,7 @@ from itertools import pairwise
 from textwrap import dedent
 
 from .source import Node, Source
-from .visiting import called, visited
+from .visiting import called, visited, WITHOUT_EFFECT
 
 __all__ = ["OPERATORS", "Mutant", "mutants"]
 
@@ -104,7 +104,6 @@ PAIRS = [
 TWINS = dict(PAIRS) | {second: first for first, second in PAIRS}
 COMMUTATIVE = {"add", "fmax", "fmin", "gcd", "hypot", "logical_and", "logical_or", "multiply", *TWINS} - {"mean", "sum"}
 INTROSPECTION = {"getattr", "hasattr", "isinstance", "issubclass", "setattr"}
-WITHOUT_EFFECT = {"flush", "help", "stacklevel", "strict"}  # keywords for readers and for what cannot happen
 FLOATS = {"empty", "linspace", "ones", "zeros"}  # dtype=float is their default
 
 

@@ -4,11 +4,13 @@ import ast
 from collections.abc import Iterator
 from typing import Any
 
-__all__ = ["called", "visited"]
+__all__ = ["WITHOUT_EFFECT", "called", "visited"]
 
 TYPES = {"Annotated", "Callable", "ClassVar", "Literal", "Optional", "TypeAlias", "Union"}
 TALK = {"cast", "debug", "getLogger", "info", "NewType", "TypeVar", "warn"}
 NAMES_FOR_READERS = {"__all__", "__slots__", "__version__"}
+WITHOUT_EFFECT = {"flush", "help", "stacklevel", "strict"}
+"""Keywords for readers and for what cannot happen."""
 KERNELS = {"allocating", "compiled", "formula", "merged", "njit", "overload"}
 
 
@@ -64,6 +66,8 @@ def _parts(node: ast.AST) -> list[Any]:
             return [*node.args.defaults, *filter(None, node.args.kw_defaults), node.body]
         case ast.Call(func=ast.Name(id="isinstance" | "issubclass"), args=[value, _]):
             return [value]
+        case ast.Call():
+            return [node.func, *node.args, *(each for each in node.keywords if each.arg not in WITHOUT_EFFECT)]
         case ast.Compare():  # the order of a collection that is searched has no meaning
             lists = (ast.List, ast.Set, ast.Tuple)
             found = [

@@ -62,6 +62,7 @@ def f(x: Literal["e", "f"] = None, y: tuple[1, 2] | None = None) -> tuple[3, 4]:
     warnings.warn("text", stacklevel=2)
     message = f"{x + 1:3}"
     assert isinstance(x, A | B), x + 1
+    z = g(x, strict=True, flush=2)
 if __name__ == "__main__":
     f(1)
 '''

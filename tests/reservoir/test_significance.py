@@ -277,3 +277,14 @@ def test_an_interval_holds_its_capacity_to_the_last_digit():
     assert intervals(InTurn(capacity, 0 * capacity, 100 * influence), 0.9, 2)[1] == (0, pytest.approx(2.3))
     _, single = intervals(InTurn(capacity, 0 * capacity, influence[:, :1]), 0.9, 3)
     assert single == pytest.approx((2.3 - 0.03 * stats.t(1).ppf(0.95), 2.3 + 0.03 * stats.t(1).ppf(0.95)))
+
+
+def test_what_is_explained_in_whole_is_beyond_chance_even_where_that_might_explain_all():
+    """The cutoff is looked at closely: its upper bound of 1 would let nothing be found."""
+    q = orthonormal_basis(np.random.default_rng(0).standard_t(2, size=(60, 6)))
+    rows = np.random.default_rng(1).standard_t(2, size=(5, 60))
+    alone = chance(q, rows, 1e-4).cutoff
+    np.testing.assert_array_equal(chance(q, rows, 1e-4, np.ones(5)).cutoff, alone)
+    most = 2 * chance(q, rows, 1e-4).mean * stats.gamma(0.5).isf(1e-4)
+    assert (most > 1).any()
+    assert alone[most > 1].max() < 1
