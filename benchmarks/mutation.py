@@ -30,7 +30,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from mutating.campaign import Campaign, FOLDERS, shown
 from mutating.page import page, save
 from mutating.records import Equivalents
-from mutating.sampling import changed_lines, drawn, files_of
+from mutating.sampling import changed_lines, drawn, files_of, revision
 
 ROOT = Path(__file__).parents[1]
 TRIALS = ROOT / "runs" / "mutation" / "trials.jsonl"
@@ -107,9 +107,10 @@ def write_page(seed: int, equivalents: Equivalents) -> None:
             folders[folder].append({name: value for name, value in result.items() if name not in ("key", "seconds")})
     libraries = machine("pytest", "hypothesis")
     command = f"python benchmarks/mutation.py --seed {seed} --minutes N"
-    results = {"machine": libraries, "command": command, "seed": seed, "folders": folders}
+    results = {"machine": libraries, "command": command, "seed": seed, "revision": revision(ROOT), "folders": folders}
+    results["equivalent"] = list(equivalents.entries)
     keep(RESULTS, results)
-    save(PAGE, page(results, equivalents.entries))
+    save(PAGE, page(results))
     print(f"wrote {PAGE} from {sum(map(len, folders.values()))} faults")
 
 

@@ -20,9 +20,9 @@ swapped, a copy, refusal or store left out. Lines are drawn alike, and a fault o
 are declared, with the reason, in `benchmarks/mutating/equivalent.toml`, and do not count. The aim is 90% of the others
 in every folder, and 97% in `crawler/`.
 
-`{command}` tried them, and `python benchmarks/mutation.py --page` wrote this page, with seed {seed}; brackets are
-Wilson's 95% intervals. Without `--page` it tries more, and goes on where it stopped. After a change of a module, or of
-the tests of its folder, its faults are tried anew."""
+`{command}` tried them on revision `{revision}`, and `python benchmarks/mutation.py --page` wrote this page, with seed
+{seed}; brackets are Wilson's 95% intervals. Without `--page` it tries more, and goes on where it stopped. After a
+change of a module, or of the tests of its folder, its faults are tried anew."""
 
 
 def wilson(noticed: int, tried: int) -> tuple[float, float]:
@@ -41,21 +41,13 @@ def wilson(noticed: int, tried: int) -> tuple[float, float]:
     return max(0.0, (middle - half) / (1 + spread)), min(1.0, (middle + half) / (1 + spread))
 
 
-def page(results: Mapping[str, Any], reasons: Sequence[Mapping[str, str]]) -> str:
-    """The whole page.
-
-    Parameters
-    ----------
-    results : mapping
-        What ``benchmarks/results/mutation.json`` holds.
-    reasons : sequence of mapping
-        Entries of ``equivalent.toml``.
-    """
+def page(results: Mapping[str, Any]) -> str:
+    """The whole page, from what ``benchmarks/results/mutation.json`` holds."""
     folders: Mapping[str, Any] = results["folders"]
     faults = [fault for folder in folders.values() for fault in folder]
     survivors = [fault for fault in faults if fault["status"] == "survived"]
     parts = [
-        _WORDS.format(command=results["command"], seed=results["seed"]),
+        _WORDS.format(**{name: results[name] for name in ("command", "seed", "revision")}),
         "## By folder",
         _by_folder(folders),
         "## By kind of fault",
@@ -63,7 +55,7 @@ def page(results: Mapping[str, Any], reasons: Sequence[Mapping[str, str]]) -> st
         "## What survived",
         _list(survivors) or "Nothing.",
         "## What nobody could notice",
-        "\n".join(f"- `{each['file']}`: {_change(each)}. {each['reason']}" for each in reasons)
+        "\n".join(f"- `{each['file']}`: {_change(each)}. {each['reason']}" for each in results["equivalent"])
         or "Nothing is declared.",
     ]
     return "\n\n".join(parts) + "\n"

@@ -10,7 +10,7 @@ from pathlib import Path
 from .operators import Mutant, mutants
 from .source import same_code
 
-__all__ = ["changed_lines", "drawn", "files_of", "tracked"]
+__all__ = ["changed_lines", "drawn", "files_of", "revision", "tracked"]
 
 Place = tuple[str, Mutant]  # file, fault
 
@@ -25,6 +25,12 @@ def tracked(root: Path, *folders: str) -> list[str]:
 def files_of(root: Path, folder: str) -> list[str]:
     """The modules of a folder."""
     return [file for file in tracked(root, folder) if file.endswith(".py")]
+
+
+def revision(root: Path) -> str:
+    """The commit that the checkout stands on, and whether it has changes of its own."""
+    command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=10"]
+    return subprocess.run(command, capture_output=True, check=True).stdout.decode().strip()
 
 
 def changed_lines(root: Path, revision: str) -> dict[str, set[int]]:

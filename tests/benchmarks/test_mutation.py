@@ -218,7 +218,9 @@ def test_the_page_says_what_was_noticed_and_what_was_not():
     faults = [{**fault, "status": status} for status in ("noticed", "hung", "survived", "equivalent")]
     faults.append({**fault, "status": "survived", "reached": False, "line": 4, "above": "tests/envs/test_b.py::test_c"})
     results = {"command": "python it", "seed": 5, "folders": {"tasks": faults, "train": []}}
-    text = page(results, [{"file": "a.py", "before": "b", "after": "c", "reason": "Because."}])
+    same = {"file": "a.py", "before": "b", "after": "c", "reason": "Because."}
+    results |= {"revision": "0123456789", "equivalent": [same]}
+    text = page(results)
     assert "| `tasks/` | 5 | 2 | 1 | 2 | 1 | 1 | 50% [15%, 85%] | 90% |" in text
     assert "| `train/` | 0 | 0 | 0 | 0 | 0 | 0 | - | 90% |" in text
     assert "| number | 4 | 50% [15%, 85%] |" in text
@@ -228,11 +230,11 @@ def test_the_page_says_what_was_noticed_and_what_was_not():
         in text
     )
     assert "- `a.py`: `b` became `c`. Because." in text
+    assert "`python it` tried them on revision `0123456789`, and" in text
 
 
 def test_the_page_is_that_of_its_results():
     assert mutation.PAGE.exists() == mutation.RESULTS.exists()
     if mutation.PAGE.exists():
         results = json.loads(mutation.RESULTS.read_text(encoding="utf-8"))
-        reasons = Equivalents.read(mutation.EQUIVALENTS).entries
-        assert mutation.PAGE.read_text(encoding="utf-8") == page(results, reasons)
+        assert mutation.PAGE.read_text(encoding="utf-8") == page(results)
