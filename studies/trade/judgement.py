@@ -14,8 +14,8 @@ from .hypervolume import hypervolume
 
 __all__ = ["HELD_OUT", "Judgement", "held_out_seeds", "judge"]
 
-HELD_OUT = 1_000_000
-"""The first of the seeds that judge: those that choose are below."""
+HELD_OUT = 2_000_000
+"""The first of the seeds that judge: those that choose schedules, or policies in a training, are below."""
 
 Bits = NDArray[np.int64]
 Runs = Callable[[int], tuple[Bits, Bits]]

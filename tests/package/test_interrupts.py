@@ -158,6 +158,7 @@ def test_an_interrupted_search_says_how_to_go_on(tmp_path):
         ("bench", "finished", "stickslip bench --output 'a run' --resume"),
         ("search", None, "stickslip search --output 'a run'"),
         ("demo", None, "stickslip demo --output 'a run'"),
+        ("trade", None, "stickslip trade --output 'a run'"),
         ("speed", None, None),
         ("evaluate", None, None),
     ],

@@ -1,0 +1,183 @@
+"""The work of each cell: settings in, numbers out and perhaps a policy. Nothing is written here."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Lock
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.threads import library_threads
+from ...envs import StickSlipCrawlerVectorEnv
+from ...tasks import dithered
+from ...train.policies import Policy, read_policy
+from .conditions import conditions
+from .judgement import held_out_seeds, judge, Judgement
+from .open_loop import open_loop_front
+from .plan import Cell, CONDITIONED, EPISODE, JUDGED, LIMIT, OPEN_LOOP, Trade, TRAINED
+from .speed_limit import speed_limit
+
+__all__ = ["Job", "Outcome", "finish"]
+
+
+class Job(NamedTuple):
+    """A cell with all that its work depends on."""
+
+    trade: Trade
+    cell: Cell
+    policy: Policy | None = None
+    """What is judged."""
+
+
+class Outcome(NamedTuple):
+    """What came of a cell."""
+
+    result: dict[str, Any]
+    """Ready for JSON."""
+    policy: Policy | None = None
+    """What was trained."""
+
+
+# Trainings draw from torch's and NumPy's global generators: on a worker of several threads, one at a time.
+_ALONE = Lock()
+
+
+def finish(job: Job) -> Outcome:
+    """Do the work of a cell: the same to the bit wherever and however often it is done.
+
+    Parameters
+    ----------
+    job : Job
+
+    Returns
+    -------
+    Outcome
+    """
+    with _ALONE, library_threads(1):
+        return _WORK[job.cell.kind](job)
+
+
+def _train(job: Job) -> Outcome:
+    # torch takes seconds, and most cells do without
+    from ...train.training import train
+
+    cell = job.cell
+    assert cell.weight is not None
+    assert cell.seed is not None
+    with TemporaryDirectory(prefix="stickslip_") as folder:
+        run = train(job.trade.configuration(cell.dither, cell.weight, cell.seed), Path(folder))
+        return Outcome({}, read_policy(run.best_policy))
+
+
+def _open_loop(job: Job) -> Outcome:
+    trade = job.trade
+    found = open_loop_front(
+        longest=trade.longest,
+        seeds=trade.judges,
+        holds=trade.holds,
+        threads=1,
+        **{**trade.env_kwargs, "dither": job.cell.dither},
+    )
+    held = [[0] * trade.holds, [1] * trade.holds]
+
+    def runs(seed: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        commands = np.array(held)
+        return commands, np.array([dithered(each, job.cell.dither, seed) for each in commands])
+
+    judgement = judge(["0", "1"], runs, found.settings, seeds=found.front.seeds)
+    return Outcome({"front": _numbers(found.front), "held": _numbers(judgement)})
+
+
+def _limit(job: Job) -> Outcome:
+    trade = job.trade
+    found = speed_limit(
+        resolution=trade.resolution,
+        seeds=trade.judges,
+        holds=trade.holds,
+        threads=1,
+        **{**trade.env_kwargs, "dither": job.cell.dither},
+    )
+    told = {"speeds": found.speeds.tolist(), "seeds": list(found.seeds), "holds": found.holds}
+    return Outcome({**told, "grid speed": found.grid_speed, "outside": found.outside})
+
+
+def _judge(job: Job) -> Outcome:
+    policy = job.policy
+    assert policy is not None
+    seeds = held_out_seeds(job.trade.judges)
+    acted = act(policy, job.cell.weight, seeds, job.trade.holds)
+    settings = conditions(**{name: value for name, value in policy.env_kwargs.items() if name != "memory_weight"})
+
+    def runs(seed: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        k = seeds.index(seed)
+        return acted.commands[k : k + 1], acted.valves[k : k + 1]
+
+    judgement = judge([job.cell.name], runs, settings, seeds=seeds)
+    return Outcome(
+        {**_numbers(judgement), "episodes": {"speeds": acted.speeds.tolist(), "memories": acted.memories.tolist()}}
+    )
+
+
+class Acted(NamedTuple):
+    """What a policy did on m seeds."""
+
+    commands: NDArray[np.int64]
+    """(m, holds) of 0 and 1."""
+    valves: NDArray[np.int64]
+    """(m, holds) of 0 and 1."""
+    speeds: NDArray[np.float64]
+    """(m,) Means over the first `EPISODE` steps of what the environment told."""
+    memories: NDArray[np.float64]
+    """(m,)"""
+
+
+def act(policy: Policy, weight: float | None, seeds: tuple[int, ...], holds: int) -> Acted:
+    """Let a policy act, deterministically, through one long episode a seed.
+
+    Parameters
+    ----------
+    policy : Policy
+    weight : float or None
+        Of memory, for a policy that takes it.
+    seeds : tuple of m int
+    holds : int, at least `EPISODE`
+
+    Returns
+    -------
+    Acted
+    """
+    environment = StickSlipCrawlerVectorEnv(
+        len(seeds), **{**policy.env_kwargs, "memory_weight": 0.0}, max_episode_steps=None, copy=False, threads=1
+    )
+    commands, valves = np.empty((2, len(seeds), holds), np.int64)
+    told = np.zeros((2, len(seeds)))
+    observations, _ = environment.reset(seed=list(seeds))
+    for k in range(holds):
+        commands[:, k] = policy.predict(observations, weight if policy.conditioned else None)
+        observations, _, _, _, infos = environment.step(commands[:, k])
+        valves[:, k] = infos["valve"]
+        if k < EPISODE:
+            told += infos["speed"], infos["memory"]
+    environment.close()
+    return Acted(commands, valves, *(told / EPISODE))
+
+
+def _numbers(judgement: Judgement) -> dict[str, Any]:
+    return {
+        "names": list(judgement.names),
+        "speeds": judgement.speeds.tolist(),
+        "memories": judgement.memories.tolist(),
+        "seeds": list(judgement.seeds),
+        "holds": judgement.holds,
+    }
+
+
+_WORK: Mapping[str, Callable[[Job], Outcome]] = {
+    TRAINED: _train,
+    OPEN_LOOP: _open_loop,
+    LIMIT: _limit,
+    JUDGED[TRAINED]: _judge,
+    JUDGED[CONDITIONED]: _judge,
+}

@@ -1,0 +1,231 @@
+"""What a trade came to: its points, what of the plane they dominate, and where the knee is."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...reservoir.bootstrap import Estimate, mean_over_runs
+from ...train.schedules import pareto_front
+from .hypervolume import hypervolume
+from .plan import Cell, CONDITIONED, JUDGED, LIMIT, OPEN_LOOP, Trade, TRAINED
+
+__all__ = ["Front", "Point", "area", "as_json", "estimated", "fronts", "gain"]
+
+_ROUNDING = 1e-9
+_HELD = {"held open": "1", "held shut": "0"}
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """One schedule or policy, judged on m seeds.
+
+    Attributes
+    ----------
+    kind : str
+        "open loop", "held open", "held shut", "policy" or "conditioned policy".
+    name : str
+        The schedule's word, or the cell.
+    weight, seed : float or None, int or None
+        Of memory in the reward, and of the training.
+    speeds, memories : (m,) arrays
+        Over long runs: of the foot, z_c / t_c; held-out memory capacity, its corrected total.
+    episode_speeds, episode_memories : (m,) arrays or None
+        Means over one episode of what the environment pays, each before its weight.
+    """
+
+    kind: str
+    name: str
+    weight: float | None
+    seed: int | None
+    speeds: NDArray[np.float64]
+    memories: NDArray[np.float64]
+    episode_speeds: NDArray[np.float64] | None = None
+    episode_memories: NDArray[np.float64] | None = None
+
+    @property
+    def mean(self) -> tuple[float, float]:
+        """Mean speed and memory."""
+        return float(self.speeds.mean()), float(self.memories.mean())
+
+    def rewards(self, weight: float) -> NDArray[np.float64]:
+        """Reward per step at a weight, over long runs, shape (m,)."""
+        return (1 - weight) * self.speeds + weight * self.memories
+
+
+@dataclass(frozen=True, eq=False)
+class Front:
+    """All that a trade came to at one dither."""
+
+    dither: float
+    open_loop: Sequence[Point]
+    held: Sequence[Point]
+    policies: Sequence[Point]
+    conditioned: Sequence[Point]
+    limit: Mapping[str, Any]
+
+    @property
+    def points(self) -> list[Point]:
+        """All of them."""
+        return [*self.open_loop, *self.held, *self.policies, *self.conditioned]
+
+    @property
+    def speed_limit(self) -> Estimate:
+        """Speed of the fastest policy that is known."""
+        return estimated(np.array(self.limit["speeds"]))
+
+    @property
+    def knee(self) -> Point | None:
+        """The policy farthest above the chord between the fastest and the one of most memory.
+
+        None where none is above it.
+        """
+        candidates = [*self.policies, *self.conditioned]
+        if not candidates:
+            return None
+        means = np.array([point.mean for point in candidates])
+        front = means[pareto_front(means)]
+        (fast, least), (slow, most) = front[0], front[-1]
+        if fast == slow:
+            return None
+        above = (means[:, 0] - slow) / (fast - slow) + (means[:, 1] - least) / (most - least) - 1
+        best = int(np.argmax(above))
+        return candidates[best] if above[best] > _ROUNDING else None
+
+    def losses(self) -> list[Point]:
+        """Policies that earn less than a schedule at their own weight: held open, held shut or the best word.
+
+        Less means so on these seeds beyond doubt: the 95% interval of the difference from the schedule ends below 0.
+        Where all seeds agree there is no doubt.
+        """
+        return [point for point in [*self.policies, *self.conditioned] if _below_zero(self.lead(point))]
+
+    def lead(self, point: Point) -> Estimate:
+        """What a policy earns at its weight above the best schedule."""
+        assert point.weight is not None
+        schedules = [*self.open_loop, *self.held]
+        best = max((schedule.rewards(point.weight) for schedule in schedules), key=np.mean)
+        return estimated(point.rewards(point.weight) - best)
+
+    def summary(self) -> dict[str, Any]:
+        """Hypervolumes, what closing the loop gains, the knee and the limit, ready for JSON."""
+        told: dict[str, Any] = {
+            "open loop": {"hypervolume": as_json(area(self.open_loop))},
+            "speed limit": as_json(self.speed_limit),
+        }
+        for name, points in (("policies", self.policies), ("conditioned policy", self.conditioned)):
+            if points:
+                told[name] = {"hypervolume": as_json(area(points)), "gain": as_json(gain(points, self.open_loop))}
+        seeds = sorted({point.seed for point in self.policies if point.seed is not None})
+        if len(seeds) > 1:
+            each = [area([point for point in self.policies if point.seed == seed]).mean for seed in seeds]
+            told["policies"]["hypervolume of one training a weight"] = as_json(mean_over_runs(each))
+        if self.knee is not None:
+            told["knee"] = described(self.knee)
+        told["losses"] = [point.name for point in self.losses()]
+        return told
+
+
+def described(point: Point) -> dict[str, Any]:
+    """A point in numbers, ready for JSON."""
+    return {
+        "kind": point.kind,
+        "name": point.name,
+        "weight": point.weight,
+        "seed": point.seed,
+        "speed": as_json(estimated(point.speeds)),
+        "memory": as_json(estimated(point.memories)),
+    }
+
+
+def fronts(trade: Trade, results: Mapping[Cell, Any]) -> list[Front]:
+    """What the finished cells of a trade came to.
+
+    Parameters
+    ----------
+    trade : Trade
+    results : mapping of Cell to dict
+        By `TradeFolder.results`; all of them.
+
+    Returns
+    -------
+    list of Front
+        One a dither.
+    """
+    return [_front(dither, results) for dither in trade.dithers]
+
+
+def _front(dither: float, results: Mapping[Cell, Any]) -> Front:
+    of = {cell: result for cell, result in results.items() if cell.dither == dither}
+    open_loop = of[Cell(OPEN_LOOP, dither)]
+    return Front(
+        dither,
+        list(_schedules(OPEN_LOOP, open_loop["front"])),
+        [next(iter(_schedules(kind, open_loop["held"], only=word))) for kind, word in _HELD.items()],
+        [_policy(TRAINED, cell, result) for cell, result in of.items() if cell.kind == JUDGED[TRAINED]],
+        [_policy(CONDITIONED, cell, result) for cell, result in of.items() if cell.kind == JUDGED[CONDITIONED]],
+        of[Cell(LIMIT, dither)],
+    )
+
+
+def _schedules(kind: str, numbers: Mapping[str, Any], only: str | None = None) -> Iterator[Point]:
+    for name, speeds, memories in zip(numbers["names"], numbers["speeds"], numbers["memories"], strict=True):
+        if only in (None, name):
+            yield Point(kind, name, None, None, np.array(speeds), np.array(memories))
+
+
+def _policy(kind: str, cell: Cell, result: Mapping[str, Any]) -> Point:
+    [speeds], [memories] = result["speeds"], result["memories"]
+    paid = result["episodes"]
+    return Point(
+        kind,
+        cell.name.removeprefix("judged-"),
+        cell.weight,
+        cell.seed,
+        np.array(speeds),
+        np.array(memories),
+        np.array(paid["speeds"]),
+        np.array(paid["memories"]),
+    )
+
+
+def area(points: Sequence[Point]) -> Estimate:
+    """Hypervolume of the mean points from (0, 0), and its interval over the seeds that judge."""
+    return _jackknifed(lambda those: _area(points, those), len(points[0].speeds))
+
+
+def gain(points: Sequence[Point], others: Sequence[Point]) -> Estimate:
+    """By what share the hypervolume of some points exceeds that of others, judged on as many seeds."""
+    return _jackknifed(lambda those: _area(points, those) / _area(others, those) - 1, len(points[0].speeds))
+
+
+def _area(points: Sequence[Point], those: NDArray[np.int64]) -> float:
+    return hypervolume([(point.speeds[those].mean(), point.memories[those].mean()) for point in points])
+
+
+def _jackknifed(statistic: Callable[[NDArray[np.int64]], float], runs: int) -> Estimate:
+    """A statistic of means over seeds, with Student's interval over the jackknife's pseudovalues, as in `Judgement`."""
+    everything = np.arange(runs)
+    whole = statistic(everything)
+    pseudovalues = [runs * whole - (runs - 1) * statistic(np.delete(everything, k)) for k in everything]
+    spread = estimated(np.array(pseudovalues))
+    return Estimate(whole, whole + spread.low - spread.mean, whole + spread.high - spread.mean, runs)
+
+
+def _below_zero(estimate: Estimate) -> bool:
+    return (estimate.mean if np.isnan(estimate.high) else estimate.high) < -_ROUNDING
+
+
+def estimated(values: NDArray[np.float64]) -> Estimate:
+    """Mean over seeds, with its 95% interval; without one where all are the same."""
+    return mean_over_runs(values, bounds=(-np.inf, np.inf))
+
+
+def as_json(estimate: Estimate) -> dict[str, float | None]:
+    """An estimate ready for JSON."""
+    return {
+        name: None if np.isnan(value) else value
+        for name, value in (("mean", estimate.mean), ("low", estimate.low), ("high", estimate.high))
+    }

@@ -1,0 +1,218 @@
+"""The plan of a trade, as data: what is asked for, and the independent cells of work that it takes."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from ...common.fingerprint import described, rounded
+from ...common.validation import known_names, number_within, whole_number
+from ...envs import StickSlipCrawlerEnv
+from ...envs.specification import plain
+from ...train.algorithms import ALGORITHMS
+from ...train.hyperparameters import read_hyperparameters
+from ...train.run import Configuration, ENV_ARGUMENTS
+
+__all__ = ["CONDITIONED", "FULL", "JUDGED", "LIMIT", "OPEN_LOOP", "QUICK", "TRAINED", "Cell", "Trade"]
+
+OPEN_LOOP = "open loop"
+LIMIT = "speed limit"
+TRAINED = "policy"
+CONDITIONED = "conditioned policy"
+JUDGED = {TRAINED: "judged policy", CONDITIONED: "judged conditioned policy"}
+"""Kinds of judgement, by the kind of what is judged."""
+
+FULL: Mapping[str, Any] = {
+    "weights": (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0),
+    "dithers": (0.1,),
+    "seeds": 3,
+    "longest": 16,
+    "resolution": 28,
+    "judges": 10,
+    "holds": 6000,
+}
+"""What a trade takes unless said otherwise."""
+
+QUICK: Mapping[str, Any] = {
+    **FULL,
+    "weights": (0.0, 0.1, 0.2, 0.5, 1.0),
+    "seeds": 1,
+    "longest": 8,
+    "resolution": 16,
+    "judges": 4,
+    "holds": 3000,
+}
+"""What a glance takes."""
+
+EPISODE = 1000
+"""Steps of the episodes that a training is paid for."""
+
+# The trade says these itself.
+_OWN = ("memory_weight", "dither", "randomize")
+_PROBED = 16
+# What a `Policy` can tell; a recurrent one has a memory of its own.
+_POLICY = "MlpPolicy"
+
+
+class Cell(NamedTuple):
+    """One piece of work, which depends on the trade's settings and on nothing else but a policy that it judges."""
+
+    kind: str
+    dither: float
+    weight: float | None = None
+    seed: int | None = None
+
+    @property
+    def name(self) -> str:
+        """A name that no other cell of a trade has, good for a file."""
+        parts = [self.kind.replace(" ", "-"), f"dither-{self.dither!r}"]
+        if self.weight is not None:
+            parts.append(f"weight-{self.weight!r}")
+        if self.seed is not None:
+            parts.append(f"seed-{self.seed}")
+        return "-".join(parts)
+
+    @property
+    def judges(self) -> "Cell | None":
+        """The cell whose policy this one judges."""
+        kind = next((kind for kind, judged in JUDGED.items() if judged == self.kind), None)
+        if kind is None:
+            return None
+        return Cell(kind, self.dither, self.weight if kind == TRAINED else None, self.seed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trade:
+    """What a front is asked for.
+
+    Parameters
+    ----------
+    weights : sequence of float, in [0, 1]
+        Of memory in the reward. Without dither there is no message, and of them only 0 is taken.
+    dithers : sequence of float, in [0, 1/2]
+        Probabilities that a command is flipped.
+    seeds : int, at least 1
+        Trainings at each weight and dither.
+    env_kwargs : mapping
+        Further arguments of the environment, such as ``hold`` and ``groups``. They win over those that the
+        hyperparameters bring.
+    algorithm : str
+        One of `stickslip.train.algorithms.ALGORITHMS`.
+    hyperparameters : mapping, optional
+        As in `stickslip.train.run.Configuration`; those shipped by default.
+    steps : int, optional
+        Environment steps of each training, instead of the hyperparameters'.
+    conditioned : bool
+        Whether one policy for all weights is trained at each dither beside those for one.
+    longest : int, at least 1
+        Bits of the longest open-loop words.
+    resolution : int, in [6, 100]
+        Of the grid that the speed limit is found on: see `stickslip.studies.trade.speed_limit`.
+    judges : int, at least 2
+        Seeds, which no training sees, that everything is judged on.
+    holds : int, at least 1000
+        Of each run that judges.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range, of the wrong type, or names something twice.
+    """
+
+    weights: tuple[float, ...] = FULL["weights"]
+    dithers: tuple[float, ...] = FULL["dithers"]
+    seeds: int = FULL["seeds"]
+    env_kwargs: Mapping[str, Any] = field(default_factory=dict)
+    algorithm: str = "ppo"
+    hyperparameters: Mapping[str, Any] | None = None
+    steps: int | None = None
+    conditioned: bool = False
+    longest: int = FULL["longest"]
+    resolution: int = FULL["resolution"]
+    judges: int = FULL["judges"]
+    holds: int = FULL["holds"]
+
+    def __post_init__(self) -> None:
+        for name, interval in (("weights", "[0, 1]"), ("dithers", "[0, 0.5]")):
+            object.__setattr__(self, name, _distinct(name, getattr(self, name), interval))
+        for name, least in (("seeds", 1), ("longest", 1), ("resolution", 6), ("judges", 2), ("holds", EPISODE)):
+            whole_number(name, getattr(self, name), least)
+        known_names("env_kwargs", self.env_kwargs, [name for name in ENV_ARGUMENTS if name not in _OWN])
+        entry = self.hyperparameters
+        if self.algorithm not in ALGORITHMS:
+            raise ValueError(f"algorithm must be one of {list(ALGORITHMS)}, got {self.algorithm!r}")
+        if entry is None:
+            entry = read_hyperparameters(self.algorithm, Configuration.environment)
+        entry = dict(entry)
+        if entry["policy"] != _POLICY:
+            raise ValueError(f"hyperparameters must have the policy {_POLICY}, got {entry['policy']!r}")
+        if self.steps is not None:
+            entry["n_timesteps"] = whole_number("steps", self.steps, 1)
+        object.__setattr__(self, "hyperparameters", entry)
+        object.__setattr__(self, "env_kwargs", plain(self.env_kwargs))
+        # What the environment refuses, it refuses here.
+        StickSlipCrawlerEnv(**self.configuration(self.dithers[0], 0.0, 0).env_kwargs)
+
+    def configuration(self, dither: float, weight: float, seed: int) -> Configuration:
+        """The configuration of a training."""
+        return Configuration(
+            algorithm=self.algorithm,
+            env_kwargs={**self.env_kwargs, "dither": dither, "memory_weight": weight},
+            hyperparameters=dict(self.hyperparameters or {}),
+            seed=seed,
+        )
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What must be equal for cells to belong together, ready for JSON: all but which of them are asked for."""
+        return {
+            "env_kwargs": described(self.env_kwargs),
+            "algorithm": self.algorithm,
+            "hyperparameters": described(self.hyperparameters),
+            "longest": self.longest,
+            "resolution": self.resolution,
+            "judges": self.judges,
+            "holds": self.holds,
+        }
+
+    def probe(self) -> list[float | str]:
+        """What a fixed word earns, rounded: a body or a reward that has changed since is told by it."""
+        environment = StickSlipCrawlerEnv(**self.configuration(0.1, 0.5, 0).env_kwargs)
+        environment.reset(seed=0)
+        return [rounded(float(environment.step((step // 3 + 1) % 2)[1])) for step in range(_PROBED)]
+
+    def cells(self) -> list[list[Cell]]:
+        """The work, in stages: cells of one depend on none of it, and on those of the stages before.
+
+        Returns
+        -------
+        list of list of Cell
+            The longest first.
+        """
+        making = [Cell(OPEN_LOOP, dither) for dither in self.dithers]
+        making += [Cell(LIMIT, dither) for dither in self.dithers]
+        if self.conditioned:
+            making += [Cell(CONDITIONED, dither, seed=0) for dither in self.dithers if dither > 0]
+        making += [
+            Cell(TRAINED, dither, weight, seed)
+            for seed in range(self.seeds)
+            for dither in self.dithers
+            for weight in self.weights_at(dither)
+        ]
+        judging = []
+        for cell in making:
+            if cell.kind == TRAINED:
+                judging.append(cell._replace(kind=JUDGED[TRAINED]))
+            elif cell.kind == CONDITIONED:
+                judging += [cell._replace(kind=JUDGED[CONDITIONED], weight=weight) for weight in self.weights]
+        return [making, judging]
+
+    def weights_at(self, dither: float) -> tuple[float, ...]:
+        """Weights of memory that mean something at a dither."""
+        return tuple(weight for weight in self.weights if weight == 0 or dither > 0)
+
+
+def _distinct(name: str, values: Iterable[float], interval: str) -> tuple[float, ...]:
+    numbers = tuple(sorted(number_within(name, value, interval) for value in values))
+    if not numbers or len(set(numbers)) < len(numbers):
+        raise ValueError(f"{name} must hold one number at least and none twice, got {numbers}")
+    return numbers

@@ -1,0 +1,167 @@
+"""What a trade leaves in its folder: ``front.csv``, ``front.json``, a figure a dither, and ``index.md``."""
+
+import csv
+import io
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ...common.figures import save_figure
+from ...common.files import atomically
+from ...envs import StickSlipCrawlerEnv
+from ...reservoir.bootstrap import Estimate
+from ..benchmark.report import as_markdown, cell
+from .figure import plot_front
+from .front import area, as_json, estimated, Front, gain, Point
+from .plan import OPEN_LOOP, Trade
+
+__all__ = ["COLUMNS", "areas", "figure_of", "rows", "table", "write_report"]
+
+COLUMNS = (
+    "dither", "kind", "weight", "training_seed", "name",
+    "speed", "speed_low", "speed_high", "memory", "memory_low", "memory_high",
+    "reward", "lead", "lead_low", "lead_high",
+    "episode_speed", "episode_memory",
+)  # fmt: skip
+"""Of ``front.csv``: means over the seeds that judge, with 95% intervals. `reward` is that of long runs at the policy's
+weight, `lead` what it is above the best open-loop word, held open or held shut; `episode_...` is what the environment
+pays over one episode."""
+
+
+def rows(front: Front) -> Iterator[dict[str, Any]]:
+    """Rows of ``front.csv`` at one dither, by `COLUMNS`; what a point has not is None."""
+    for point in front.points:
+        row: dict[str, Any] = dict.fromkeys(COLUMNS)
+        row |= {"dither": front.dither, "kind": point.kind, "name": point.name}
+        row |= {"weight": point.weight, "training_seed": point.seed}
+        for name, values in (("speed", point.speeds), ("memory", point.memories)):
+            row |= _ends(name, estimated(values))
+        if point.weight is not None:
+            row |= {"reward": float(point.rewards(point.weight).mean()), **_ends("lead", front.lead(point))}
+        for name, paid in (("episode_speed", point.episode_speeds), ("episode_memory", point.episode_memories)):
+            if paid is not None:
+                row[name] = float(paid.mean())
+        yield row
+
+
+def write_report(folder: Path, trade: Trade, fronts: Sequence[Front], *, weight: float = 0.2) -> None:
+    """Write all of it, each file whole or not at all.
+
+    Parameters
+    ----------
+    folder : Path
+    trade : Trade
+    fronts : sequence of Front
+    weight : float
+        Of memory in the reward whose lines of equal reward the figures show.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
+    """
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    for front in fronts:
+        writer.writerows(rows(front))
+    _write(folder / "front.csv", text.getvalue())
+    told = {
+        "settings": trade.settings,
+        "weights": list(trade.weights),
+        "seeds": trade.seeds,
+        "dithers": {str(front.dither): front.summary() for front in fronts},
+    }
+    _write(folder / "front.json", json.dumps(told, indent=1) + "\n")
+    for front in fronts:
+        if front.dither > 0:
+            save_figure(plot_front(front, weight=weight), folder / figure_of(front))
+    _write(folder / "index.md", _page(trade, fronts))
+
+
+def figure_of(front: Front) -> str:
+    """Name of a front's figure."""
+    return f"front-{front.dither!r}.png"
+
+
+def table(front: Front) -> list[list[str]]:
+    """Speed, memory and reward of what matters at one dither, under a row of headings."""
+    told = [["", "weight", "speed", "memory", "reward above the best schedule", "memory paid in an episode"]]
+    corners = _corners(front.open_loop)
+    for point in front.points:
+        if point.kind == OPEN_LOOP and point not in corners:
+            continue
+        memory, paid = point.memories.mean(), point.episode_memories
+        told.append(
+            [
+                " ".join(
+                    [
+                        point.kind,
+                        *([point.name] if point.kind == OPEN_LOOP else []),
+                        *([] if point.seed is None else [f"seed {point.seed}"]),
+                    ]
+                ),
+                "" if point.weight is None else f"{point.weight:g}",
+                cell(estimated(point.speeds), 3),
+                cell(estimated(point.memories)) if front.dither else "",
+                "" if point.weight is None else cell(front.lead(point), 3, "+"),
+                "" if paid is None or not memory else f"{paid.mean():.2f} ({paid.mean() / memory:.0%})",
+            ]
+        )
+    return told
+
+
+def _corners(words: Sequence[Point]) -> list[Point]:
+    """The fastest word, and the one of which speed times memory is largest."""
+    return [
+        max(words, key=lambda point: point.mean[0]),
+        max(words, key=lambda point: point.mean[0] * point.mean[1]),
+    ]
+
+
+def _page(trade: Trade, fronts: Sequence[Front]) -> str:
+    hold = StickSlipCrawlerEnv(**trade.configuration(fronts[0].dither, 0.0, 0).env_kwargs).settings.hold
+    parts = [
+        "# Distance against memory",
+        f"Hold {hold:g}. Everything is judged on {trade.judges} seeds that no training saw, over runs of {trade.holds}"
+        f" holds: means [95% intervals]. Open-loop words have up to {trade.longest} bits. Policies are trained by"
+        f" {trade.algorithm}, {trade.seeds} at each weight of memory in the reward.",
+    ]
+    for front in fronts:
+        parts.append(f"## Dither {front.dither:g}")
+        if front.dither:
+            parts += [f"![Speed against memory capacity]({figure_of(front)})", as_markdown(areas(front))]
+        parts.append(f"The speed limit, by dynamic programming, is {cell(front.speed_limit, 3)}.")
+        if (knee := front.knee) is not None:
+            parts.append(
+                f"The knee: speed {cell(estimated(knee.speeds), 3)} and memory {cell(estimated(knee.memories))}, by the"
+                f" {knee.kind} at weight {knee.weight:g}."
+            )
+        losses, trained = front.losses(), len(front.policies) + len(front.conditioned)
+        parts.append(
+            f"Of {trained} policies {len(losses)} earn less at their weight than the best of these: held open, held"
+            f" shut, an open-loop word{': ' if losses else '.'}{', '.join(point.name for point in losses)}"
+        )
+        parts.append(as_markdown(table(front)))
+    return "\n\n".join(parts) + "\n"
+
+
+def areas(front: Front) -> list[list[str]]:
+    """Hypervolumes at one dither, under a row of headings."""
+    told = [["", "hypervolume from (0, 0)", "% above open loop"], [OPEN_LOOP, cell(area(front.open_loop)), ""]]
+    for name, points in (("policies", front.policies), ("conditioned policy", front.conditioned)):
+        if points:
+            more = gain(points, front.open_loop)
+            percent = Estimate(100 * more.mean, 100 * more.low, 100 * more.high, more.runs)
+            told.append([name, cell(area(points)), cell(percent, 0, "+")])
+    return told
+
+
+def _ends(name: str, estimate: Estimate) -> dict[str, float | None]:
+    told = as_json(estimate)
+    return {name: told["mean"], f"{name}_low": told["low"], f"{name}_high": told["high"]}
+
+
+def _write(file: Path, text: str) -> None:
+    atomically(file, lambda path: path.write_text(text, encoding="utf-8"))

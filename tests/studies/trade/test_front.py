@@ -1,0 +1,140 @@
+"""What a trade came to, against numbers that are worked out by hand."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from stickslip.studies.trade.front import area, estimated, Front, fronts, gain, Point
+from stickslip.studies.trade.plan import Cell, CONDITIONED, JUDGED, LIMIT, OPEN_LOOP, Trade, TRAINED
+from stickslip.studies.trade.report import COLUMNS, rows, table, write_report
+
+SPREAD = np.array([-0.01, 0.0, 0.01])
+
+
+def point(kind, name, speed, memory, *, weight=None, seed=None, spread=SPREAD, paid=None):
+    episodes = (None, None) if paid is None else (np.full(3, speed), np.full(3, paid))
+    return Point(kind, name, weight, seed, speed + spread, memory + 0 * spread, *episodes)
+
+
+def a_front(**changed):
+    of = {
+        "dither": 0.1,
+        "open_loop": [point(OPEN_LOOP, "1", 0.1, 4.0), point(OPEN_LOOP, "110", 0.7, 2.0)],
+        "held": [point("held open", "1", 0.1, 4.0), point("held shut", "0", 0.0, 3.0)],
+        "policies": [
+            point(TRAINED, "fast", 0.8, 2.0, weight=0.0, seed=0, paid=1.5),
+            point(TRAINED, "between", 0.7, 3.0, weight=0.2, seed=0, paid=2.4),
+            point(TRAINED, "slow", 0.1, 4.0, weight=1.0, seed=0, paid=3.0),
+        ],
+        "conditioned": [],
+        "limit": {"speeds": [0.8, 0.85, 0.9]},
+    }
+    return Front(**{**of, **changed})
+
+
+def test_areas_are_those_of_the_mean_points():
+    front = a_front()
+    # Each step as wide as what it is faster by, and as high as its memory.
+    assert area(front.open_loop).mean == pytest.approx(0.1 * 4 + 0.6 * 2)
+    assert area(front.policies).mean == pytest.approx(0.1 * 4 + 0.6 * 3 + 0.1 * 2)
+    assert gain(front.policies, front.open_loop).mean == pytest.approx(2.4 / 1.6 - 1)
+
+
+def test_an_interval_of_a_linear_statistic_is_students():
+    """One point of constant memory: its area is proportional to the mean speed."""
+    alone = [point(TRAINED, "alone", 0.5, 2.0, weight=0.0)]
+    found, expected = area(alone), estimated(2 * alone[0].speeds)
+    assert (found.mean, found.low, found.high) == pytest.approx((expected.mean, expected.low, expected.high))
+    assert gain(alone, alone).mean == 0
+
+
+def test_the_knee_is_farthest_above_the_chord():
+    assert a_front().knee.name == "between"
+    on_the_chord = point(TRAINED, "between", 0.45, 3.0, weight=0.2)
+    policies = a_front().policies
+    assert a_front(policies=[policies[0], on_the_chord, policies[2]]).knee is None
+    assert a_front(policies=policies[:1]).knee is None
+    assert a_front(policies=[]).knee is None
+
+
+def test_a_policy_loses_where_it_earns_less_than_a_schedule_at_its_own_weight():
+    front = a_front()
+    assert front.losses() == []
+    # At weight 1 held open earns 4; at weight 0 the word earns 0.7.
+    worse = [
+        point(TRAINED, "forgetful", 0.5, 3.9, weight=1.0, spread=0 * SPREAD),
+        point(TRAINED, "slow", 0.6, 3.0, weight=0.0),
+        point(TRAINED, "not surely slow", 0.695, 3.0, weight=0.0, spread=3 * SPREAD),
+    ]
+    front = a_front(policies=worse)
+    assert front.lead(worse[1]).mean == pytest.approx(0.6 - 0.7)
+    assert [each.name for each in front.losses()] == ["forgetful", "slow"]
+    assert front.lead(worse[2]).mean == pytest.approx(-0.005)
+
+
+def results(trade):
+    found = {}
+    for cell in (cell for stage in trade.cells() for cell in stage):
+        if cell.kind == OPEN_LOOP:
+            numbers = {"names": ["1", "110"], "speeds": [[0.1, 0.1], [0.7, 0.72]], "memories": [[4.0, 4.1], [2.0, 2.0]]}
+            held = {"names": ["0", "1"], "speeds": [[0.0, 0.0], [0.1, 0.1]], "memories": [[3.0, 3.0], [4.0, 4.1]]}
+            found[cell] = {"front": numbers, "held": held}
+        elif cell.kind == LIMIT:
+            found[cell] = {"speeds": [0.84, 0.85]}
+        elif cell.judges is not None:
+            speed = 0.8 - 0.5 * cell.weight
+            found[cell] = {
+                "speeds": [[speed, speed + 0.01]],
+                "memories": [[2 + cell.weight, 2.1 + cell.weight]],
+                "episodes": {"speeds": [speed, speed], "memories": [1.5, 1.5]},
+            }
+        else:
+            found[cell] = {}
+    return found
+
+
+def test_points_come_from_the_cells_of_their_dither():
+    trade = Trade(weights=(0.0, 0.5), dithers=(0.0, 0.1), seeds=1)
+    quiet, front = fronts(trade, results(trade))
+    assert (quiet.dither, front.dither) == (0.0, 0.1)
+    assert [each.weight for each in quiet.policies] == [0.0]
+    assert [(each.kind, each.weight) for each in front.policies + front.conditioned] == [
+        (TRAINED, 0.0),
+        (TRAINED, 0.5),
+        (CONDITIONED, 0.0),
+        (CONDITIONED, 0.5),
+    ]
+    assert [(each.kind, each.name) for each in front.held] == [("held open", "1"), ("held shut", "0")]
+    assert front.policies[1].mean == pytest.approx((0.555, 2.55))
+    assert front.speed_limit.mean == pytest.approx(0.845)
+    assert Cell(JUDGED[TRAINED], 0.1, 0.5, 0).name == "judged-" + front.policies[1].name
+
+
+def test_what_is_written_says_what_was_found(tmp_path):
+    trade = Trade(weights=(0.0, 0.5), dithers=(0.0, 0.1), seeds=1)
+    found = fronts(trade, results(trade))
+    write_report(tmp_path, trade, found)
+    assert {file.name for file in tmp_path.iterdir()} == {"front.csv", "front.json", "front-0.1.png", "index.md"}
+    with (tmp_path / "front.csv").open(encoding="utf-8", newline="") as text:
+        written = list(csv.DictReader(text))
+    assert tuple(written[0]) == COLUMNS
+    assert len(written) == sum(len(front.points) for front in found)
+    fast = next(row for row in written if row["dither"] == "0.1" and row["kind"] == TRAINED)
+    assert float(fast["speed"]) == pytest.approx(0.805)
+    assert float(fast["lead"]) == pytest.approx(0.805 - 0.71)
+    assert float(fast["episode_memory"]) == 1.5
+    told = json.loads((tmp_path / "front.json").read_text(encoding="utf-8"))["dithers"]["0.1"]
+    assert told["policies"]["hypervolume"]["mean"] == area(found[1].policies).mean
+    page = (tmp_path / "index.md").read_text(encoding="utf-8")
+    assert "![Speed against memory capacity](front-0.1.png)" in page
+    assert page.count("## Dither") == 2
+
+
+def test_tables_have_a_row_a_policy_and_say_what_an_episode_pays():
+    heading, *body = table(a_front())
+    assert {len(row) for row in body} == {len(heading)}
+    assert [row[0] for row in body if row[0].startswith("policy")] == ["policy seed 0"] * 3
+    assert [row[-1] for row in body][-2] == "2.40 (80%)"
+    assert all(set(row) == set(COLUMNS) for row in rows(a_front()))
