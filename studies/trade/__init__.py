@@ -3,6 +3,18 @@
 from .hypervolume import hypervolume
 from .judgement import judge, Judgement
 from .open_loop import open_loop_front, OpenLoop
+from .registers import best_registers, Registers
 from .speed_limit import Planner, speed_limit, SpeedLimit
 
-__all__ = ["Judgement", "OpenLoop", "Planner", "SpeedLimit", "hypervolume", "judge", "open_loop_front", "speed_limit"]
+__all__ = [
+    "Judgement",
+    "OpenLoop",
+    "Planner",
+    "Registers",
+    "SpeedLimit",
+    "best_registers",
+    "hypervolume",
+    "judge",
+    "open_loop_front",
+    "speed_limit",
+]

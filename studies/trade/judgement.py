@@ -15,7 +15,8 @@ from .hypervolume import hypervolume
 __all__ = ["HELD_OUT", "Judgement", "held_out_seeds", "judge"]
 
 HELD_OUT = 2_000_000
-"""The first of the seeds that judge: those that choose schedules, or policies in a training, are below."""
+"""The first of the seeds that judge: those that choose policies in a training are below, and those that choose
+schedules beyond a million more."""
 
 Bits = NDArray[np.int64]
 Runs = Callable[[int], tuple[Bits, Bits]]
@@ -96,9 +97,9 @@ def held_out_seeds(count: int) -> tuple[int, ...]:
     Raises
     ------
     ValueError, TypeError
-        If `count` is not a whole number >= 1.
+        If `count` is not a whole number from 1 to a million.
     """
-    return tuple(range(HELD_OUT, HELD_OUT + whole_number("seeds", count, 1)))
+    return tuple(range(HELD_OUT, HELD_OUT + whole_number("seeds", count, 1, 1_000_000)))
 
 
 def judge(names: Sequence[str], runs: Runs, settings: Settings, *, seeds: Sequence[int]) -> Judgement:

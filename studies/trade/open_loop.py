@@ -1,9 +1,7 @@
 """What a valve can do that does not look: the front of all open-loop schedules.
 
-Thousands of schedules are scored, each by one noisy run, and the best of them are partly lucky. So the front is chosen
-in rounds on seeds of its own, each of fewer schedules over longer runs, and judged on others. A round leaves out only
-what another schedule beats in both objectives by more than `_MARGIN` standard errors of the differences, so that what
-belongs to the front is lost once in tens of thousands.
+Every binary word up to a length, repeated for ever, and Bernoulli schedules. `selection` chooses the front, and it is
+judged on seeds that nothing was chosen by.
 """
 
 from collections.abc import Sequence
@@ -17,20 +15,16 @@ from ...common.validation import whole_number
 from ...envs.settings import Settings
 from ...reservoir.bootstrap import Estimate
 from ...tasks import dithered
-from ...train.schedules import necklaces, pareto_front
+from ...train.schedules import necklaces
 from .conditions import conditions
 from .judgement import held_out_seeds, judge, Judgement
-from .rollouts import roll_out_many, Rollouts, WASHOUT
+from .rollouts import Act, WASHOUT
+from .selection import select
 
-__all__ = ["OpenLoop", "commands_of", "open_loop_front", "undominated"]
+__all__ = ["OpenLoop", "commands_of", "open_loop_front"]
 
 RATES = tuple(f"random {percent}%" for percent in range(5, 100, 5))
 """Bernoulli schedules, by how often they open the valve."""
-
-_MARGIN = 4.0
-# Each round has as many times the holds of the one before.
-_LONGER = 4
-_ROUNDS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +80,7 @@ def open_loop_front(
         Of the runs that judge.
     screening_holds : int, >= 200
         Of the first runs that choose; the last are 16 times as long.
-    seed : int, in [0, 1000)
+    seed : int, >= 0
         Of those.
     threads : int, optional
         All processors by default.
@@ -107,23 +101,21 @@ def open_loop_front(
     held_out = held_out_seeds(seeds)
     whole_number("screening_holds", screening_holds, 200)
     whole_number("holds", holds, 1000)
-    first_seed = whole_number("seed", seed, 0, 999)
-    latest = np.zeros((2, len(names)))
-    left, length = np.arange(len(names)), screening_holds
-    for turn in range(_ROUNDS):
-        commands = commands_of([names[i] for i in left], WASHOUT + length, first_seed)
-        scores = _screened(commands, length, settings, 1000 * first_seed + 100_000 * turn, threads)
-        latest[:, left] = scores.speeds, scores.memories
-        if turn < _ROUNDS - 1:
-            left, length = left[undominated(scores)], length * _LONGER
-    chosen = [names[i] for i in left[pareto_front(np.stack([scores.speeds, scores.memories], axis=1))]]
+    first_seed = whole_number("seed", seed, 0)
+
+    def controllers(some: NDArray[np.int64], length: int) -> Act:
+        rows = np.ascontiguousarray(commands_of([names[i] for i in some], WASHOUT + length, first_seed).T)
+        return lambda k, _: rows[k]
+
+    found = select(controllers, len(names), screening_holds, settings, seed=first_seed, threads=threads)
+    chosen = [names[i] for i in found.front]
 
     def runs(held_out: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         asked = commands_of(chosen, holds, held_out)
         return asked, np.array([dithered(each, settings.dither, held_out) for each in asked])
 
     front = judge(chosen, runs, settings, seeds=held_out)
-    return OpenLoop(settings, names, latest[0], latest[1], front, front.hypervolume())
+    return OpenLoop(settings, names, found.speeds, found.memories, front, front.hypervolume())
 
 
 def commands_of(names: Sequence[str], holds: int, seed: int) -> NDArray[np.int64]:
@@ -149,38 +141,3 @@ def commands_of(names: Sequence[str], holds: int, seed: int) -> NDArray[np.int64
         else:
             row[:] = np.resize(np.frombuffer(name.encode(), np.uint8) - ord("0"), holds)
     return commands
-
-
-def undominated(scores: Rollouts, margin: float = _MARGIN) -> NDArray[np.int64]:
-    """Which of n are not surely beaten in both objectives.
-
-    Parameters
-    ----------
-    scores : Rollouts
-    margin : float
-        Standard errors of a difference that make it sure.
-
-    Returns
-    -------
-    (m,) array of int
-        Ascending.
-    """
-    objectives = [(scores.speeds, scores.speed_errors)]
-    if scores.memories.any():
-        objectives.append((scores.memories, scores.memory_errors))
-    kept = []
-    for i in range(len(scores.speeds)):
-        beaten = np.ones(len(scores.speeds), np.bool_)
-        for values, errors in objectives:
-            beaten &= values - values[i] > margin * np.hypot(errors, errors[i])
-        if not beaten.any():
-            kept.append(i)
-    return np.array(kept, np.int64)
-
-
-def _screened(commands: NDArray[np.int64], holds: int, settings: Settings, seed: int, threads: int | None) -> Rollouts:
-    def controllers(part: slice) -> Any:
-        rows = np.ascontiguousarray(commands[part].T)
-        return lambda k, _: rows[k]
-
-    return roll_out_many(controllers, len(commands), holds, settings, seed=seed, threads=threads)

@@ -6,8 +6,7 @@ import pytest
 from stickslip.crawler import Groups, Scene
 from stickslip.studies.trade import hypervolume, open_loop_front
 from stickslip.studies.trade.judgement import HELD_OUT, Judgement
-from stickslip.studies.trade.open_loop import commands_of, RATES, undominated
-from stickslip.studies.trade.rollouts import Rollouts
+from stickslip.studies.trade.open_loop import commands_of, RATES
 from stickslip.train.schedules import pareto_front, performance, repeat
 
 SETTINGS = {"dither": 0.1, "groups": Groups(), "hold": 0.5, "scene": Scene()}
@@ -19,14 +18,6 @@ def test_words_are_repeated_and_rates_are_kept():
     assert always.all()
     assert random.mean() == pytest.approx(0.3, abs=4 * np.sqrt(0.21 / 20_000))
     assert not np.array_equal(random, commands_of(["random 30%"], 20_000, seed=4)[0])
-
-
-def test_only_what_is_surely_beaten_in_both_is_left_out():
-    speeds, memories = np.array([0.9, 0.5, 0.2, 0.5]), np.array([1.0, 3.0, 0.5, 2.9])
-    sure, unsure = np.full(4, 1e-3), np.full(4, 1.0)
-    assert undominated(Rollouts(speeds, memories, sure, sure)).tolist() == [0, 1, 3]  # speeds that tie do not beat
-    assert undominated(Rollouts(speeds, memories, unsure, sure)).tolist() == [0, 1, 2, 3]
-    assert undominated(Rollouts(speeds, np.zeros(4), sure, np.zeros(4))).tolist() == [0]
 
 
 @pytest.fixture(scope="module")
