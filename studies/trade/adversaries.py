@@ -43,7 +43,9 @@ class Audit:
     ----------
     names : tuple of str
     earned : (n, m) array
-        Mean memory reward of the window, on m seeds.
+        Mean memory reward of the window, on m seeds, had the flips in it the variance that they have on average. The
+        reward is in units of that variance, a capacity in units of the window's own, and by how much they differ is
+        chance that no policy has a hand in.
     capacities : (n, m) array
         Of the same motion in the same window, each sample predicted by a readout fitted to all the others.
     seeds : tuple of int
@@ -134,7 +136,8 @@ def _earned_and_held(
         ).total
         for valve, message in zip(valves, messages, strict=True)
     ]
-    return np.stack([earned[:, WASHOUT:].mean(axis=1), held])
+    variance = np.mean(messages[:, WASHOUT:] ** 2, axis=1) / settings.variance
+    return np.stack([earned[:, WASHOUT:].mean(axis=1) / variance, held])
 
 
 def _environment(settings: Settings, count: int, threads: int | None) -> StickSlipCrawlerVectorEnv:
