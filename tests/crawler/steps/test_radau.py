@@ -392,3 +392,16 @@ def test_an_oscillation_fainter_than_the_tolerance_is_not_damped_away(lag, stati
     expected = simulate(groups, [1], 10.0, solver="taylor").slips
     assert expected > 500
     assert simulate(groups, [1], 10.0, solver="radau", tolerance=1e-3).slips == pytest.approx(expected, abs=2)
+
+
+@pytest.mark.parametrize("special", [{}, {"duffing": 0.0, "radial_coupling": 0.0}, {"damping_ratio": 60.0}])
+def test_a_share_of_nothing_is_not_asked_for(special):
+    """At rest without friction the foot is at its threshold, and no error is small beside that, nor is rounding."""
+    groups, scene = Groups(static_friction=0.0, kinetic_friction=0.0, **special), Scene()
+    for tolerance in (1e-5, 1e-9, 1e-15):
+        rest = run(groups, [0, 0], 30.0, tolerance=tolerance, solver="radau")
+        assert not rest.deformation.any()
+        assert not rest.foot.any()
+        exact = simulate(groups, [0, 0, 1, 0], 3.0, scene=scene, tolerance=1e-14, solver="taylor")
+        done = run(groups, [0, 0, 1, 0], 3.0, tolerance=tolerance, solver="radau")
+        np.testing.assert_allclose(done.deformation, exact.deformation, rtol=0, atol=10.0 * tolerance + 1e-13)
