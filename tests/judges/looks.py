@@ -6,6 +6,7 @@ Other tests say what a figure has to show; this is for what nobody would think o
 
 import json
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import matplotlib as mpl
 import numpy as np
@@ -34,6 +35,9 @@ from stickslip.studies.work_precision import (
 )
 from stickslip.studies.work_precision.case import DEFORMATION, FOOT, MEAN_SPEED, RMS_DEFORMATION, SLIP_RATE
 from stickslip.tasks import plot_memory_profile, TASKS
+from stickslip.train.evaluations import Evaluation, write_evaluations
+from stickslip.train.figures import plot_learning, plot_trade
+from stickslip.train.schedules import Performance
 
 __all__ = ["FIGURES", "look_of", "written"]
 
@@ -174,12 +178,35 @@ def _memory(count):
     return MemoryCapacity(delays, 0.5**delays, cutoff=0.03125, bound=7)
 
 
+def _performances(**each):
+    return {
+        name: Performance(speed, MemoryCapacity(np.arange(1), np.array([memory]), 0.0, 1))
+        for name, (speed, memory) in each.items()
+    }
+
+
+def _trade():
+    schedules = _performances(**{"0": (0.0, 0.5), "10": (0.25, 0.75), "110": (0.5, 0.25), "100": (0.125, 0.125)})
+    return plot_trade(schedules, _performances(slow=(0.125, 0.875), fast=(0.75, 0.5)))
+
+
+def _learning():
+    with TemporaryDirectory() as folder:
+        table = Path(folder) / "evaluations.csv"
+        write_evaluations(table, [Evaluation(100 * k, 0.25 * k, 0.5 * k, 1.0 / k) for k in (1, 2, 4)])
+        return plot_learning(table)
+
+
 FIGURES = {
     "crawler": {
         "trajectory": lambda: simulate({"duffing": 0.0, "radial_coupling": 0.0}, [1, 1, 1, 0.25, 0, 0], 1.0).plot(),
     },
     "tasks": {
         "memory": lambda: plot_memory_profile({"crawler": _memory(4), "delay line": _memory(6)}),
+    },
+    "train": {
+        "trade": _trade,
+        "learning": _learning,
     },
     "studies": {
         "scores": _scores,
