@@ -12,7 +12,7 @@ from ...reservoir.bootstrap import Estimate, mean_over_runs
 from ...train.schedules import performances
 from .hypervolume import hypervolume
 
-__all__ = ["HELD_OUT", "Judgement", "held_out_seeds", "judge"]
+__all__ = ["HELD_OUT", "Judgement", "held_out_seeds", "jackknifed", "joined", "judge"]
 
 HELD_OUT = 2_000_000
 """The first of the seeds that judge: those that choose policies in a training are below, and those that choose
@@ -80,15 +80,57 @@ class Judgement:
         ----------
         .. [1] B. Efron and C. Stein, "The jackknife estimate of variance", Annals of Statistics 9, 586, 1981.
         """
-        runs = len(self.seeds)
-        whole = hypervolume(self.points, reference)
-        if runs == 1:
-            return Estimate(whole, np.nan, np.nan, 1)
-        both = np.stack([self.speeds, self.memories], axis=1)
-        without = [hypervolume(np.delete(both, m, axis=2).mean(axis=2), reference) for m in range(runs)]
-        over_seeds = mean_over_runs(runs * whole - (runs - 1) * np.array(without), confidence)
-        low, high = over_seeds.low - over_seeds.mean, over_seeds.high - over_seeds.mean
-        return Estimate(whole, whole + low, whole + high, runs)
+        return jackknifed(lambda points: hypervolume(points, reference), self, confidence)
+
+
+def jackknifed(
+    statistic: Callable[[NDArray[np.float64]], float], judgement: Judgement, confidence: float = 0.95
+) -> Estimate:
+    """A number of the mean points, and its interval by the jackknife over seeds.
+
+    Parameters
+    ----------
+    statistic : callable
+        Of points, shape (n, 2).
+    judgement : Judgement
+    confidence : float, in (0, 1)
+
+    Returns
+    -------
+    Estimate
+        Its ends are NaN where there is one seed.
+    """
+    runs = len(judgement.seeds)
+    whole = statistic(judgement.points)
+    if runs == 1:
+        return Estimate(whole, np.nan, np.nan, 1)
+    both = np.stack([judgement.speeds, judgement.memories], axis=1)
+    without = [statistic(np.delete(both, m, axis=2).mean(axis=2)) for m in range(runs)]
+    over_seeds = mean_over_runs(runs * whole - (runs - 1) * np.array(without), confidence)
+    low, high = over_seeds.low - over_seeds.mean, over_seeds.high - over_seeds.mean
+    return Estimate(whole, whole + low, whole + high, runs)
+
+
+def joined(first: Judgement, second: Judgement) -> Judgement:
+    """Two judgements of the same seeds and holds as one.
+
+    Raises
+    ------
+    ValueError
+        If their seeds or holds differ.
+    """
+    if (first.seeds, first.holds) != (second.seeds, second.holds):
+        raise ValueError(
+            f"judgements must have the same seeds and holds, got {first.seeds} and {second.seeds}, "
+            f"{first.holds} and {second.holds}"
+        )
+    return Judgement(
+        first.names + second.names,
+        np.concatenate([first.speeds, second.speeds]),
+        np.concatenate([first.memories, second.memories]),
+        first.seeds,
+        first.holds,
+    )
 
 
 def held_out_seeds(count: int) -> tuple[int, ...]:
