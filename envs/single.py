@@ -116,7 +116,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
     | `hold`          | float          | 0.5     | length of a step, t_c, in (0, 10000]                        |
     | `tolerance`     | float          | 1e-6    | of the solver, 1e-15 to 1e-2                                |
     | `dither`        | float          | 0.1     | probability of a flip, 0 to 1/2                             |
-    | `memory_weight` | float          | 0.5     | share of memory in the reward, 0 to 1; above 0 needs dither |
+    | `memory_weight` | float          | 0.2     | share of memory in the reward, 0 to 1; above 0 needs dither |
     | `delays`        | int            | 20      | delays read out, 1 to 1000                                  |
     | `virtual_nodes` | int            | 4       | instants of a hold at which the body is read, 1 to 1000     |
     | `valve_history` | int            | 1       | valve states in the observation, 1 to 64                    |
@@ -140,7 +140,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         hold: float = 0.5,
         tolerance: float = 1e-6,
         dither: float = 0.1,
-        memory_weight: float = 0.5,
+        memory_weight: float = 0.2,
         delays: int = 20,
         virtual_nodes: int = 4,
         valve_history: int = 1,

@@ -91,7 +91,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         hold: float = 0.5,
         tolerance: float = 1e-6,
         dither: float = 0.1,
-        memory_weight: float = 0.5,
+        memory_weight: float = 0.2,
         delays: int = 20,
         virtual_nodes: int = 4,
         valve_history: int = 1,

@@ -19,7 +19,7 @@ class Args:
     """What can be set from the shell: ``--num-envs 256``."""
 
     seed: int = 0
-    memory_weight: float = 0.5  # share of memory in the reward
+    memory_weight: float = 0.2  # share of memory in the reward
     dither: float = 0.1  # probability that a command is flipped
     total_timesteps: int = 200_000
     num_envs: int = 256

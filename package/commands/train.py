@@ -23,7 +23,7 @@ _ALGORITHM_HELP = f"{', '.join(_FIRST)} or {_LAST}."
 def train(
     context: typer.Context,
     output: Annotated[Path, typer.Option(help="Folder of the run.")],
-    memory_weight: Annotated[float, typer.Option(help="Share of memory in the reward, 0 to 1.")] = 0.5,
+    memory_weight: Annotated[float, typer.Option(help="Share of memory in the reward, 0 to 1.")] = 0.2,
     dither: Annotated[float, typer.Option(help="Probability that a command is flipped, 0 to 0.5.")] = 0.1,
     hold: Annotated[float, typer.Option(help="Length of a step, natural time.")] = 0.5,
     groups: GroupsOption = None,

@@ -36,7 +36,7 @@ NAN, INF = float("nan"), float("inf")
         ({"dither": 0.51}, ValueError, "dither must be in [0, 0.5], got 0.51"),
         ({"dither": -0.1}, ValueError, "dither must be in [0, 0.5], got -0.1"),
         ({"dither": NAN}, ValueError, "dither must be in [0, 0.5], got nan"),
-        ({"dither": 0}, ValueError, "dither must be in (0, 0.5] where memory_weight = 0.5 > 0, got 0*"),
+        ({"dither": 0}, ValueError, "dither must be in (0, 0.5] where memory_weight = 0.2 > 0, got 0*"),
         ({"memory_weight": 1.1}, ValueError, "memory_weight must be in [0, 1], got 1.1"),
         ({"memory_weight": -0.1}, ValueError, "memory_weight must be in [0, 1], got -0.1"),
         ({"delays": 0}, ValueError, "delays must be a whole number in [1, 1000], got 0"),

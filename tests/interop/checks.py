@@ -125,7 +125,7 @@ def minari(run):
 
         dataset = package.load_dataset("stickslip/random-v0")  # from the disk
         assert dataset.recover_environment().spec.id == ID
-        assert dataset.recover_environment(eval_env=True).unwrapped.settings.memory_weight == 0.5
+        assert dataset.recover_environment(eval_env=True).unwrapped.settings.memory_weight == 0.2
         episodes = list(dataset.iterate_episodes())
         assert len(episodes) == 5
         for seed, episode in enumerate(episodes):
@@ -206,7 +206,7 @@ def rllib(run):
     assert 0.5 * RANDOM_SPEED < left["results"]["episode_return_mean"] / 200 < 2 * RANDOM_SPEED
     left["algorithm"].stop()
 
-    config = left["config"].copy(copy_frozen=False).environment(env_config={"memory_weight": 0.5, "dither": 0.1})
+    config = left["config"].copy(copy_frozen=False).environment(env_config={"memory_weight": 0.2, "dither": 0.1})
     runner = SingleAgentEnvRunner(config=config)
     episodes = runner.sample(num_timesteps=32 * 40, random_actions=True)
     assert len(episodes) == 32

@@ -33,7 +33,7 @@ def refuse(capsys, *arguments):
     ("arguments", "message"),
     [
         (["--dither", "0.7"], "error: dither must be in [0, 0.5], got 0.7"),
-        (["--dither", "0"], "error: dither must be in (0, 0.5] where memory_weight = 0.5 > 0, got 0.0"),
+        (["--dither", "0"], "error: dither must be in (0, 0.5] where memory_weight = 0.2 > 0, got 0.0"),
         (["--memory-weight", "2"], "error: memory_weight must be in [0, 1], got 2.0"),
         (["--hold", "nan"], "error: hold must be in (0, 10000], got nan"),
         (["--groups", "octopus"], "error: groups must be one of the presets ["),

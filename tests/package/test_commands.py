@@ -28,7 +28,7 @@ DEFAULTS = {
     "compile": {},
     "demo": {"output": "runs/demo", "seed": 0, "steps": None},
     "train": {
-        "memory_weight": 0.5,
+        "memory_weight": 0.2,
         "dither": 0.1,
         "hold": 0.5,
         "groups": None,
