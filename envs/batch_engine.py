@@ -158,6 +158,7 @@ class BatchEngine:
         if self._settings.randomize or choices is not None or np.count_nonzero(unsettled):
             self._draw(np.flatnonzero(mask), choices)
         self.batch.bodies[:, : len(mask)][:, mask] = 0.0
+        self._read()[:, : len(mask)][:, mask] = 0.0
         self.batch.steps[mask] = 0
         self.batch.histories[mask] = 0
         self.results.observations[mask] = 0.0
@@ -196,6 +197,10 @@ class BatchEngine:
             failed = np.flatnonzero(self.results.statuses)
             raise self._error(int(failed[0]))
 
+    def readout_states(self, which: int | slice = slice(None)) -> NDArray[np.float64]:
+        """What the readouts have seen of the last hold, of one crawler or of some, shape (..., features)."""
+        return self._read()[:, : len(self._kind)].T[which].copy()
+
     def frame(self, i: int) -> Frame:
         """What a picture of crawler `i` shows."""
         time, body = int(self.batch.steps[i]) * self._settings.hold, Body(*self.batch.bodies[:, i].tolist())
@@ -216,6 +221,10 @@ class BatchEngine:
         for i, generator in enumerate(self.generators):  # which lie elsewhere than those copied
             if generator is not None:
                 self.draw_from(i, generator, self.seeds[i])
+
+    def _read(self) -> NDArray[np.float64]:
+        """States in the last hold, a crawler a column."""
+        return self.batch.samples.reshape(-1, self.batch.samples.shape[-1])
 
     def _told(self, i: int) -> NDArray[np.float64]:
         """What the last step has told of a crawler: `stickslip.envs.infos.TOLD`."""
@@ -298,6 +307,7 @@ class BatchEngine:
             int(self.batch.steps[i]),
             self.results.observations[i].copy(),
             self._told(i),
+            self.readout_states(i),
             () if self._readouts is None else packed(self._readouts, i),
             over,
             deepcopy(self.generators[i]) if generator else None,
@@ -327,6 +337,7 @@ class BatchEngine:
             self.batch.histories[indices] = valves_seen(state.observation)
             self.results.numbers[: len(NUMBERS), indices] = state.told[: len(NUMBERS), np.newaxis]
             self.results.counts[:, indices] = state.told[len(NUMBERS) :, np.newaxis]
+            self._read()[:, indices] = state.read[:, np.newaxis]
             if self._readouts is not None:
                 unpack(self._readouts, indices, state.readout, state.steps)
             if state.generator is not None:
@@ -409,5 +420,5 @@ def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> 
     idle = np.zeros(count, np.bool_)
     for k, valve in enumerate(valves.tolist()):
         engine.step(np.full(count, valve), idle)
-        states[:, k] = engine.batch.samples.reshape(settings.features, -1)[:, :count].T
+        states[:, k] = engine.readout_states()
     return states

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from ..compiling.compilation import formula
 from ..crawler import Scene
+from .bounds import Bounds, box, forward, from_shut_to_open, unbounded
 from .transition import Transition, writer
 
 __all__ = ["OBSERVATION", "VALVES", "Component", "observation_space", "observe", "seen_at_rest", "valves_seen"]
-
-Bounds = tuple[float, float]
 
 
 class Component(NamedTuple):
@@ -49,27 +48,15 @@ def _valve(step: Transition, age: int) -> float:
     return step.valves >> age & 1
 
 
-def _unbounded(_: Scene) -> Bounds:
-    return -np.inf, np.inf
-
-
-def _from_shut_to_open(_: Scene) -> Bounds:
-    return 0.0, 1.0
-
-
-def _of_the_foot(scene: Scene) -> Bounds:
-    return (0.0 if scene.ratchet or scene.anchored else -np.inf), np.inf
-
-
 OBSERVATION = (
-    Component("deformation", _deformation, _unbounded),
-    Component("velocity", _velocity, _unbounded),
-    Component("pressure", _pressure, _from_shut_to_open),
-    Component("foot_velocity", _foot_velocity, _of_the_foot),
+    Component("deformation", _deformation, unbounded),
+    Component("velocity", _velocity, unbounded),
+    Component("pressure", _pressure, from_shut_to_open),
+    Component("foot_velocity", _foot_velocity, forward),
 )
 """In the order that a policy sees; `StickSlipCrawlerEnv` documents each."""
 
-VALVES = Component("valve", _valve, _from_shut_to_open)
+VALVES = Component("valve", _valve, from_shut_to_open)
 """What follows, for each of the last valve states, newest first; its formula takes the age too, 0 of the newest."""
 
 _write_body = writer([each.formula for each in OBSERVATION])
@@ -96,9 +83,7 @@ def valves_seen(observation: NDArray[np.float32]) -> np.int64:
 def observation_space(scene: Scene, valve_history: int) -> spaces.Space[NDArray[np.float32]]:
     """Space of the observations in a scene, with so many valve states."""
     seen = *OBSERVATION, *[VALVES] * valve_history
-    low, high = np.array([each.bounds(scene) for each in seen], np.float32).T
-    space: spaces.Space[Any] = spaces.Box(low, high)
-    return space
+    return box([each.bounds(scene) for each in seen], np.float32)
 
 
 def seen_at_rest(valve_history: int, *count: int) -> NDArray[np.float32]:

@@ -4,21 +4,28 @@ Section 4 of the design: the command is flipped with probability `dither`, and t
 command did not tell of the valve. The reward weighs what a step gains in each objective.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
 from ..compiling.compilation import formula
+from ..crawler import Scene
+from .bounds import Bounds, box, forward, unbounded
 from .transition import Formula, Transition
 
-__all__ = ["OBJECTIVES", "Objective", "innovation", "memory", "reward", "speed", "surprise"]
+__all__ = ["OBJECTIVES", "Objective", "innovation", "memory", "reward", "reward_space", "speed", "surprise"]
 
 
 class Objective(NamedTuple):
-    """What a policy is to gain, and its weight in the reward."""
+    """What a policy is to gain, its weight in the reward, and between which bounds it lies."""
 
-    name: str
+    name: str  # of its info too
     formula: Formula
     weight: Formula
+    bounds: Callable[[Scene], Bounds]
 
 
 @formula
@@ -56,8 +63,8 @@ def _weight_of_memory(step: Transition) -> float:
 
 
 OBJECTIVES = (
-    Objective("speed", speed, _weight_of_speed),
-    Objective("memory", memory, _weight_of_memory),
+    Objective("speed", speed, _weight_of_speed, forward),
+    Objective("memory", memory, _weight_of_memory, unbounded),
 )
 
 
@@ -88,3 +95,8 @@ def _sum(terms: Sequence[Formula]) -> Formula:
 
 reward = _sum([_weighted(each) for each in OBJECTIVES])
 """Sum of the objectives by weight, in compiled code."""
+
+
+def reward_space(scene: Scene) -> spaces.Space[NDArray[np.float64]]:
+    """Space of the objectives of a step, in their order."""
+    return box([each.bounds(scene) for each in OBJECTIVES], np.float64)

@@ -22,6 +22,7 @@ __all__ = [
     "drawn_numbers",
     "known_options",
     "numbers_of",
+    "refuse_unread",
 ]
 
 # Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
@@ -153,6 +154,18 @@ class Settings:
         settled = {} if choice.slope is None else {_SLOPE: choice.slope}
         groups, scene, _ = varied(self.groups, self.scene, self.hold, {**drawn, **choice.groups, **settled})
         return groups, scene
+
+
+def refuse_unread(settings: Settings) -> None:
+    """Refuse to tell of a hold within which nobody reads the body.
+
+    Raises
+    ------
+    ValueError
+        If there is no dither.
+    """
+    if settings.dither == 0.0:
+        raise ValueError("readout_states needs dither in (0, 0.5], got 0.0: without flips no readout reads the body")
 
 
 def numbers_of(crawlers: Sequence[tuple[Groups, Scene]]) -> NDArray[np.float64]:

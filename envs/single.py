@@ -23,7 +23,7 @@ from .infos import begun, info_of, place_of, table_of_infos, TOLD
 from .observation import observation_space, seen_at_rest
 from .rendering.frame import frame_of
 from .rendering.renderer import Renderer
-from .settings import CRAWLER_OPTIONS, known_options, Settings
+from .settings import CRAWLER_OPTIONS, known_options, refuse_unread, Settings
 from .single_kernel import ANSWERS, calibration_states, ELAPSED, NO_MEMORY, rest, REWARD, samples_of, stepper_for
 from .specification import Specified
 from .state import CrawlerState, refuse_foreign
@@ -209,6 +209,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         self._body = rest()
         self._observation = seen_at_rest(self.settings.valve_history)
         self._answers[:] = 0.0
+        self._read()[:] = 0.0
         self._steps = 0
         if self.render_mode == "human":
             self.render()
@@ -323,6 +324,29 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         time, remembers = self._steps * self.settings.hold, self._memory is not None
         return self._renderer.draw(frame_of(time, Body(*body.tolist()), self._answers[:_TOLD], remembers))
 
+    def readout_states(self) -> NDArray[np.float64]:
+        """What the memory readout has seen of the hold just ended.
+
+        With the innovations, rows of many steps make the capacity that the reward estimates:
+        ``stickslip.memory_capacity(states, innovations, delays)``.
+
+        Returns
+        -------
+        (3 * virtual_nodes,) array of float64
+            Deformations at the virtual nodes, then rates, then pressures; 0 of a crawler that was at rest.
+
+        Raises
+        ------
+        ValueError
+            Without dither: there is no message, and nobody reads the body within a hold.
+        gymnasium.error.ResetNeeded
+            If called before `reset`.
+        """
+        refuse_unread(self.settings)
+        if self._body is None:
+            raise ResetNeeded("readout_states needs a call of reset first")
+        return self._read().copy()
+
     def get_state(self, *, generator: bool = True) -> CrawlerState:
         """State of the crawler in its episode, from which any environment of the same arguments can go on.
 
@@ -352,6 +376,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             self._steps,
             self._observation.copy(),
             self._answers[:_TOLD].copy(),
+            self._read().copy(),
             () if self._memory is None else self._memory.packed(),
             False,
             deepcopy(self.np_random) if generator else None,
@@ -380,6 +405,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         self._body = state.body.copy()
         self._observation = state.observation.copy()
         self._answers[:_TOLD] = state.told
+        self._read()[:] = state.read
         self._steps = state.steps
         if state.generator is not None:
             self._np_random, self._np_random_seed = deepcopy(state.generator), state.seed
@@ -399,6 +425,10 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
     def _calibrate(self) -> None:
         if self._memory is None and self.settings.dither > 0.0:
             self._memory = calibrated_memory(self.settings, calibration_states(self.settings))
+
+    def _read(self) -> NDArray[np.float64]:
+        """Deformations, rates and pressures at the nodes of the last hold; of one node, for nobody, without dither."""
+        return self._samples[:3].reshape(-1)
 
     def _settle(self, groups: Groups, scene: Scene) -> None:
         """Who crawls where in the episode."""

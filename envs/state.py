@@ -13,7 +13,7 @@ from .settings import Settings
 __all__ = ["CrawlerState", "refuse_foreign"]
 
 # Counted up whenever a state of before would no longer be gone on from to the bit.
-VERSION = 2
+VERSION = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +37,8 @@ class CrawlerState:
         What the last step has shown.
     told : array
         What the last step has told: `stickslip.envs.infos.TOLD`.
+    read : (3 * nodes,) array
+        What the readout has seen of the last hold; of one node without dither.
     readout : tuple of arrays
         Of the memory: weights, the lower half of the covariance by rows, and past innovations, newest first; empty
         where there is no message.
@@ -57,6 +59,7 @@ class CrawlerState:
     steps: int
     observation: NDArray[np.float32]
     told: NDArray[np.float64]
+    read: NDArray[np.float64]
     readout: tuple[NDArray[np.float64], ...]
     over: bool
     generator: np.random.Generator | None

@@ -51,6 +51,10 @@ class SubEnvironment(gym.Env[NDArray[np.float32], np.int64]):
         """Draw this one; None where it is not among the `rendered`, or a window shows all."""
         return self._batch.render_one(self._index)
 
+    def readout_states(self) -> NDArray[np.float64]:
+        """What the memory readout of this one has seen of the hold just ended."""
+        return self._batch.readout_states()[self._index]
+
     def get_state(self, *, generator: bool = True) -> CrawlerState:
         """State of this one."""
         return self._batch.get_state(generator=generator)[self._index]

@@ -19,7 +19,7 @@ from .batch_engine import BatchEngine
 from .infos import begun, COUNTS, NUMBERS, TOLD
 from .observation import observation_space
 from .rendering.tiling import Tiles
-from .settings import Choice, CRAWLER_OPTIONS, known_options, Settings
+from .settings import Choice, CRAWLER_OPTIONS, known_options, refuse_unread, Settings
 from .single import StickSlipCrawlerEnv
 from .specification import Specified
 from .state import CrawlerState, refuse_foreign
@@ -79,6 +79,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     """
 
     metadata: dict[str, Any] = StickSlipCrawlerEnv.metadata
+    _sub_environment = SubEnvironment
 
     render_mode: Literal["human", "rgb_array"] | None
 
@@ -327,6 +328,26 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         for sub_environment, value in zip(self.sub_environments, each, strict=True):
             sub_environment.set_wrapper_attr(name, value)
 
+    def readout_states(self) -> NDArray[np.float64]:
+        """What the memory readout of each has seen of the hold just ended: see `StickSlipCrawlerEnv.readout_states`.
+
+        Returns
+        -------
+        (num_envs, 3 * virtual_nodes) array of float64
+            0 of those whose episode has just begun, by autoreset in the same step too.
+
+        Raises
+        ------
+        ValueError
+            Without dither.
+        gymnasium.error.ResetNeeded
+            If there are no episodes.
+        """
+        refuse_unread(self.settings)
+        if not self._running:
+            raise ResetNeeded("readout_states needs a call of reset first")
+        return self._engine.readout_states()
+
     def get_state(self, *, generator: bool = True) -> tuple[CrawlerState, ...]:
         """State of each sub-environment, as `StickSlipCrawlerEnv.get_state` returns it.
 
@@ -409,7 +430,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     @cached_property
     def sub_environments(self) -> list[SubEnvironment]:
         """Each as far as it can be asked for alone: all but stepped."""
-        return [SubEnvironment(self, i) for i in range(self.num_envs)]
+        return [self._sub_environment(self, i) for i in range(self.num_envs)]
 
     def __getstate__(self) -> dict[str, Any]:
         # A window cannot be copied; the copy opens its own.

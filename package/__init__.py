@@ -45,6 +45,13 @@ register(
     vector_entry_point="stickslip.envs:StickSlipCrawlerVectorEnv",
     max_episode_steps=1000,
 )
+register(
+    id="StickSlipCrawlerMO-v0",
+    entry_point="stickslip.envs:StickSlipCrawlerMOEnv",
+    vector_entry_point="stickslip.envs:StickSlipCrawlerMOVectorEnv",
+    max_episode_steps=1000,
+    disable_env_checker=True,  # which takes a vector of rewards for a fault
+)
 
 
 # Hidden from type checkers, to whom every name would be known, and of any type.

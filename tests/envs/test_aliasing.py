@@ -41,7 +41,7 @@ def states_of(env):
 
 
 def arrays_of(state):
-    return state.body, state.told, state.observation, *state.readout
+    return state.body, state.told, state.observation, state.read, *state.readout
 
 
 MAKERS = [lambda: StickSlipCrawlerEnv(valve_history=3), lambda: StickSlipCrawlerVectorEnv(COUNT, valve_history=3)]
@@ -56,7 +56,7 @@ def test_a_saved_state_is_neither_changed_by_the_episode_nor_changes_it(make):
     assert pickle.dumps(states) == before
     env, twin = pair(make)
     for state in states_of(env):
-        assert len(arrays_of(state)) == 6
+        assert len(arrays_of(state)) == 7
         for array in arrays_of(state):
             array[...] = np.nan
         state.generator.random(3)

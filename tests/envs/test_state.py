@@ -207,7 +207,7 @@ def test_what_is_no_state_of_this_version_is_refused():
     env.reset(seed=0)
     old = dataclasses.replace(env.get_state(), version=0)
     for each in (env, batch):
-        with pytest.raises(ValueError, match="state must be of version 2, got one of version 0"):
+        with pytest.raises(ValueError, match="state must be of version 3, got one of version 0"):
             each.set_state(old)
         with pytest.raises(TypeError, match="state must be a CrawlerState"):
             each.set_state({"body": 1})
