@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .crawler import Actuator, EnergyWarning, Groups, Scene, simulate, Trajectory
     from .reservoir import memory_capacity
     from .tasks.transformer import CrawlerReservoir
+    from .train.policies.pretrained import pretrained
 
 __version__ = "0.1.0"
 
@@ -25,6 +26,7 @@ _HOME = {
     "Trajectory": "stickslip.crawler",
     "simulate": "stickslip.crawler",
     "memory_capacity": "stickslip.reservoir",
+    "pretrained": "stickslip.train.policies.pretrained",
 }
 
 __all__ = [
@@ -36,6 +38,7 @@ __all__ = [
     "Trajectory",
     "__version__",
     "memory_capacity",
+    "pretrained",
     "simulate",
 ]
 

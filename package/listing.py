@@ -5,6 +5,7 @@ from .crawler import PRESETS
 from .crawler.solvers import AUTO, SOLVERS
 from .studies.benchmark.sweep import SWEPT
 from .tasks import ENCODINGS, MEASURES, RESERVOIRS, TASKS
+from .train.policies.pretrained import PRETRAINED
 
 __all__ = ["known_by_name"]
 
@@ -31,6 +32,7 @@ def known_by_name() -> dict[str, list[str]]:
         "reservoirs": list(RESERVOIRS),
         "presets": list(PRESETS),
         "algorithms": algorithms,
+        "pretrained policies": list(PRETRAINED),
         "encodings": list(ENCODINGS),
         "solvers": [AUTO, *SOLVERS],
         "sweeps": list(SWEPT),

@@ -16,3 +16,9 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 def _other_packages_are_not_ours_to_warn_of():
     """Keep from the processes that tests start what has this one warn of encodings left to the locale."""
     os.environ.pop("PYTHONWARNDEFAULTENCODING", None)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _the_record_of_what_was_written_is_not_the_user_s_own(tmp_path_factory):
+    """Keep what trainings of the tests note (`stickslip.train.trust`) out of the home of whoever runs them."""
+    os.environ["XDG_STATE_HOME"] = os.environ["LOCALAPPDATA"] = str(tmp_path_factory.mktemp("state"))

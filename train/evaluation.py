@@ -3,7 +3,7 @@
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TYPE_CHECKING, TypeAlias
 
 import gymnasium as gym
 import numpy as np
@@ -13,22 +13,26 @@ from numpy.typing import NDArray
 from ..common.extras import optional_import
 from ..common.files import atomically
 from ..envs import StickSlipCrawlerEnv
+from .policies.policy import Policy
 from .schedules import Performance, performance
 
-with optional_import():
+if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
-__all__ = ["film", "measure", "roll_out"]
+__all__ = ["Acting", "actor", "film", "measure", "roll_out"]
+
+Acting: TypeAlias = "Policy | BaseAlgorithm"
+"""What acts: a policy of plain numbers, or a model of Stable-Baselines3."""
 
 
 def roll_out(
-    policy: BaseAlgorithm, environment: StickSlipCrawlerEnv, steps: int, seed: int
+    policy: Acting, environment: StickSlipCrawlerEnv, steps: int, seed: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Let a policy act, deterministically, through one long episode.
 
     Parameters
     ----------
-    policy : BaseAlgorithm
+    policy : Policy or BaseAlgorithm
     environment : StickSlipCrawlerEnv
         Bare: a time limit would cut the episode.
     steps : int
@@ -41,23 +45,23 @@ def roll_out(
     """
     command = np.empty(steps, np.int64)
     valve = np.empty(steps, np.int64)
-    act = _actor(policy)
+    act = actor(policy)
     observation, _ = environment.reset(seed=seed)
     for k in range(steps):
-        command[k] = act(observation)
+        command[k] = int(act(observation))
         observation, _, _, _, info = environment.step(command[k])
         valve[k] = info["valve"]
     return command, valve
 
 
 def measure(
-    policy: BaseAlgorithm, environment: StickSlipCrawlerEnv, *, steps: int = 6000, seed: int = 0
+    policy: Acting, environment: StickSlipCrawlerEnv, *, steps: int = 6000, seed: int = 0
 ) -> tuple[Performance, NDArray[np.int64], NDArray[np.int64]]:
     """Speed and held-out memory capacity of a policy.
 
     Parameters
     ----------
-    policy : BaseAlgorithm
+    policy : Policy or BaseAlgorithm
     environment : StickSlipCrawlerEnv
         Where it is measured. If it draws its groups, one draw is measured: its `episode_groups` and `episode_scene`
         afterwards.
@@ -86,12 +90,12 @@ def measure(
     return result, command, valve
 
 
-def film(policy: BaseAlgorithm, file: Path, *, env_kwargs: dict[str, Any], steps: int = 240, seed: int = 0) -> None:
+def film(policy: Acting, file: Path, *, env_kwargs: dict[str, Any], steps: int = 240, seed: int = 0) -> None:
     """Write a clip of a policy at work.
 
     Parameters
     ----------
-    policy : BaseAlgorithm
+    policy : Policy or BaseAlgorithm
     file : Path
         Ends in ``.mp4``; its folder must exist.
     env_kwargs : dict
@@ -112,11 +116,11 @@ def film(policy: BaseAlgorithm, file: Path, *, env_kwargs: dict[str, Any], steps
         name_prefix="clip",
         episode_trigger=lambda _: True,
     )
-    act = _actor(policy)
+    act = actor(policy)
     observation, _ = environment.reset(seed=seed)
     finished = False
     while not finished:
-        observation, _, terminated, truncated, _ = environment.step(act(observation))
+        observation, _, terminated, truncated, _ = environment.step(int(act(observation)))
         finished = terminated or truncated
     environment.close()
     (clip,) = folder.glob("*.mp4")
@@ -124,15 +128,30 @@ def film(policy: BaseAlgorithm, file: Path, *, env_kwargs: dict[str, Any], steps
     folder.rmdir()
 
 
-def _actor(policy: BaseAlgorithm) -> Callable[[NDArray[np.float32]], int]:
-    """Deterministic actions through one episode, of which a recurrent policy remembers the observations so far."""
-    state: tuple[NDArray[Any], ...] | None = None
-    beginning = np.ones(1, np.bool_)
+def actor(policy: Acting, count: int = 1) -> Callable[[NDArray[np.float32]], Any]:
+    """Deterministic actions through one episode of each of a batch.
 
-    def act(observation: NDArray[np.float32]) -> int:
+    Parameters
+    ----------
+    policy : Policy or BaseAlgorithm
+        A recurrent one remembers the observations so far.
+    count : int
+        Of the batch.
+
+    Returns
+    -------
+    callable
+        From an observation, or (count, d) of them, to an action, or (count,) of them.
+    """
+    if isinstance(policy, Policy):
+        return policy.predict
+    state: tuple[NDArray[Any], ...] | None = None
+    beginning = np.ones(count, np.bool_)
+
+    def act(observation: NDArray[np.float32]) -> Any:
         nonlocal state
         action, state = policy.predict(observation, state=state, episode_start=beginning, deterministic=True)
         beginning[:] = False
-        return int(action)
+        return action
 
     return act

@@ -1,20 +1,22 @@
-"""The evaluation of a run, written beside it."""
+"""The evaluation of a policy, written into a folder."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ..common.figures import save_figure
 from ..common.files import atomically
+from ..common.fingerprint import refuse_other
 from ..crawler import simulate
 from ..envs import StickSlipCrawlerEnv
 from ..tasks import plot_memory_profile
-from .evaluation import film, measure
+from .evaluation import Acting, film
 from .figures import plot_learning
-from .run import Run
-from .training import load_policy
+from .policies.files import DESCRIPTION, read_policy, WEIGHTS
+from .scores import HELD_OUT_SEEDS, interval, judging, roll_outs, Rollout, summary
 
-__all__ = ["evaluate_run"]
+__all__ = ["evaluate_policy", "evaluate_run"]
 
 _GAIT_HOLDS = 40
 
@@ -25,25 +27,29 @@ def evaluate_run(
     checkpoint: Path | None = None,
     output: Path | None = None,
     steps: int = 6000,
-    seed: int = 0,
+    seeds: Sequence[int] = HELD_OUT_SEEDS,
+    dither: float | None = None,
+    weight: float | None = None,
     video: bool = True,
+    trust: bool = False,
 ) -> dict[str, Any]:
-    """Replay a run's policy; write ``results.json``, ``gait.png``, ``learning.png``, ``memory.png``, ``clip.mp4``.
+    """Replay a run's policy: see `evaluate_policy`; ``learning.png`` is written too.
 
     Parameters
     ----------
     folder : Path
         Of the run.
     checkpoint : Path, optional
-        The best policy by default.
+        A zip of Stable-Baselines3's, or one of a policy's two files; the best policy by default, which is read without
+        running its code unless it is recurrent.
     output : Path, optional
         ``folder / "evaluation"`` by default.
-    steps : int
-        Steps to measure over.
-    seed : int
-        Of the flips.
-    video : bool
-        Whether to film the policy.
+    steps, seeds, dither, video
+        As for `evaluate_policy`.
+    weight : float, in [0, 1], optional
+        Of memory, for a policy that is conditioned on it, and for no other.
+    trust : bool
+        Whether to read a zip: it is unpickled, and runs what its writer likes.
 
     Returns
     -------
@@ -53,45 +59,120 @@ def evaluate_run(
     Raises
     ------
     ValueError
-        If there is no run, or the checkpoint is not one of its configuration.
+        If there is no run, or the checkpoint is not trusted or not one of its configuration.
     OSError
         If the output cannot be written.
     """
-    run = Run.open(folder)
-    policy = load_policy(run, checkpoint)
-    output = folder / "evaluation" if output is None else output
-    output.mkdir(parents=True, exist_ok=True)
-    arguments = run.configuration.env_kwargs
-    environment = StickSlipCrawlerEnv(**arguments)
-    result, command, valve = measure(policy, environment, steps=steps, seed=seed)
+    # Reading a run takes yaml, and a zip torch, which the evaluation of a policy does without.
+    from .run import Run
 
-    summary: dict[str, Any] = {"steps": steps, "speed": result.speed}
-    settings = environment.settings
+    run = Run.open(folder)
+    plain = run.best_policy if checkpoint is None else checkpoint
+    policy: Acting
+    if (checkpoint is None and _beside(plain)) or plain.suffix in (WEIGHTS, DESCRIPTION):
+        policy = read_policy(plain)
+        asked = {"env_kwargs": run.configuration.env_kwargs}
+        refuse_other(f"as in policy {plain}", {"env_kwargs": policy.env_kwargs}, asked)
+        if weight is not None:
+            policy = policy.at(weight)
+    else:
+        from .training import load_policy
+
+        policy = load_policy(run, checkpoint, trust=trust)
+        if weight is not None:
+            raise ValueError(f"weight must be left out with a zip of Stable-Baselines3's, got {weight!r}")
+    output = folder / "evaluation" if output is None else output
+    arguments = run.configuration.env_kwargs
+    result = evaluate_policy(policy, arguments, output, steps=steps, seeds=seeds, dither=dither, video=video)
+    save_figure(plot_learning(folder / "evaluations.csv"), output / "learning.png")
+    return result
+
+
+def evaluate_policy(
+    policy: Acting,
+    env_kwargs: dict[str, Any],
+    output: Path,
+    *,
+    steps: int = 6000,
+    seeds: Sequence[int] = HELD_OUT_SEEDS,
+    dither: float | None = None,
+    video: bool = True,
+) -> dict[str, Any]:
+    """Replay a policy; write ``results.json``, ``gait.png``, ``memory.png`` and ``clip.mp4`` into a folder.
+
+    Parameters
+    ----------
+    policy : Policy or BaseAlgorithm
+        That takes no weight; `Policy.at` makes one.
+    env_kwargs : dict
+        Arguments of the environment.
+    output : Path
+        Made if it is missing.
+    steps : int
+        To measure over, for each seed.
+    seeds : sequence of int
+        Of the flips and the draws; the figures and the clip are of the first.
+    dither : float, in [0, 1/2], optional
+        Instead of that of `env_kwargs`.
+    video : bool
+        Whether to film the policy.
+
+    Returns
+    -------
+    dict
+        What is in ``results.json``: means over the seeds, with their 95% intervals, and what was drawn and commanded
+        with the first.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range or of the wrong type.
+    OSError
+        If the output cannot be written.
+    """
+    arguments = judging(env_kwargs) | ({} if dither is None else {"dither": dither})
+    settings = StickSlipCrawlerEnv(**arguments).settings
+    runs = roll_outs(policy, arguments, steps=steps, seeds=seeds)
+    first = runs[0]
+    output.mkdir(parents=True, exist_ok=True)
+    result = _numbers(runs, steps, seeds)
     if settings.randomize:
-        summary["groups drawn"] = environment.episode_groups.to_dict()
-        summary["slope drawn"] = environment.episode_scene.slope
-    if result.memory is not None:
-        summary["memory capacity"] = result.memory.corrected
-        summary["memory capacity, raw"] = result.memory.total
-        save_figure(plot_memory_profile({"policy": result.memory}), output / "memory.png")
+        result["groups drawn"] = first.groups.to_dict()
+        result["slope drawn"] = first.scene.slope
+    if first.performance.memory is not None:
+        save_figure(plot_memory_profile({"policy": first.performance.memory}), output / "memory.png")
     # From the middle of the episode, where the start is forgotten.
     middle = slice(steps // 2, steps // 2 + _GAIT_HOLDS)
-    summary["commands"] = "".join(str(bit) for bit in command[middle])
-    body: dict[str, Any] = {"scene": environment.episode_scene, "tolerance": settings.tolerance}
-    before = simulate(environment.episode_groups, valve[: middle.start], settings.hold, **body)
+    result["commands"] = "".join(str(bit) for bit in first.command[middle])
+    body: dict[str, Any] = {"scene": first.scene, "tolerance": settings.tolerance}
+    before = simulate(first.groups, first.valve[: middle.start], settings.hold, **body)
     gait = simulate(
-        environment.episode_groups,
-        valve[middle],
+        first.groups,
+        first.valve[middle],
         settings.hold,
         samples_per_hold=20,
         initial=before.final_state._replace(foot=0.0),
         **body,
     )
     save_figure(gait.plot(), output / "gait.png")
-    save_figure(plot_learning(folder / "evaluations.csv"), output / "learning.png")
-    atomically(
-        output / "results.json", lambda path: path.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-    )
+    text = json.dumps(result, indent=2) + "\n"
+    atomically(output / "results.json", lambda path: path.write_text(text, encoding="utf-8"))
     if video:
-        film(policy, output / "clip.mp4", env_kwargs=arguments, seed=seed)
-    return summary
+        film(policy, output / "clip.mp4", env_kwargs=arguments, seed=int(seeds[0]))
+    return result
+
+
+def _numbers(runs: Sequence[Rollout], steps: int, seeds: Sequence[int]) -> dict[str, Any]:
+    performances = [each.performance for each in runs]
+    told = summary(performances, steps, seeds)
+    numbers: dict[str, Any] = {"steps": steps, "seeds": told["seeds"], "speed": told["speed"]}
+    memories = [each.memory for each in performances if each.memory is not None]
+    if memories:
+        numbers["memory capacity"] = told["memory"]
+        numbers["memory capacity, raw"] = interval([each.total for each in memories])
+    return numbers
+
+
+def _beside(path: Path) -> bool:
+    """Whether there is a policy of plain numbers, or what is left of one."""
+    return any(path.with_name(path.name + suffix).exists() for suffix in (WEIGHTS, DESCRIPTION))

@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..common.extras import optional_import
-from ..common.files import atomically
 from ..common.fingerprint import described, refuse_other, rounded
 from ..common.threads import library_threads
 from ..envs import StickSlipCrawlerEnv
@@ -19,6 +19,7 @@ from .hyperparameters import resolve
 from .policies.files import write_policy
 from .policies.from_model import has_policy, policy_of
 from .run import Configuration, Run
+from .trust import read_pickle, write_pickle
 from .vec_env import StickSlipVecEnv
 
 with optional_import():
@@ -43,6 +44,7 @@ def train(
     folder: Path,
     *,
     resume: bool = False,
+    trust: bool = False,
     on_progress: Callable[[int], Any] = lambda steps: None,
     vec_env: Callable[..., VecEnv] | None = None,
 ) -> Run:
@@ -56,6 +58,9 @@ def train(
     resume : bool
         Go on from the last checkpoint in `folder`. The steps after it are done again, with new random numbers. A
         configuration with another ``n_timesteps`` moves the end of the run: schedules then go over the new total.
+    trust : bool
+        Whether to resume what this user did not write on this machine: its checkpoints are unpickled, and run what
+        their writer likes.
     on_progress : callable
         Told the number of environment steps done, every so often.
     vec_env : callable
@@ -71,7 +76,8 @@ def train(
     ------
     ValueError, TypeError
         If an argument of the environment or the algorithm is wrong, if `folder` holds a run and `resume` is not set,
-        or if it is set and the run has another configuration, or has done more steps than asked for.
+        or if it is set and the run has another configuration, has done more steps than asked for, or is another's and
+        not trusted.
     OSError
         If the folder cannot be written.
     """
@@ -117,7 +123,9 @@ def train(
                 if not resume:
                     run = Run.create(folder, configuration)
             else:
-                model = _load(configuration, checkpoint, env=environments)
+                model = _load(
+                    configuration, checkpoint, read_pickle(checkpoint, trust=trust, own=True), env=environments
+                )
                 refuse_other(
                     f"to go on with run {folder}, whose environment or reward was another",
                     {"first rewards": vars(model).get(_REWARDS)},
@@ -129,7 +137,7 @@ def train(
                     )
                 vars(model)[_CONFIGURATION] = asdict(configuration)
                 if isinstance(model, OffPolicyAlgorithm) and run.replay_buffer.exists():
-                    model.load_replay_buffer(run.replay_buffer)
+                    model.load_replay_buffer(read_pickle(run.replay_buffer, trust=trust, own=True))
             if resume and moved:
                 run.configure(configuration)
             model.tensorboard_log = str(folder / "tensorboard")
@@ -145,20 +153,22 @@ def train(
                         tb_log_name=configuration.algorithm,
                     )
                     keeper.keep()
-            atomically(run.final, model.save)
+            write_pickle(run.final, model.save)
     finally:
         environments.close()
     return run
 
 
-def load_policy(run: Run, file: Path | None = None) -> BaseAlgorithm:
-    """The policy of a run.
+def load_policy(run: Run, file: Path | None = None, *, trust: bool = False) -> BaseAlgorithm:
+    """A model of a run, from a zip of Stable-Baselines3's; `read_policy` reads the best one without running its code.
 
     Parameters
     ----------
     run : Run
     file : Path, optional
         One of its checkpoints; the best policy by default.
+    trust : bool
+        Whether to read it at all: it is unpickled, and runs what its writer likes.
 
     Returns
     -------
@@ -167,18 +177,18 @@ def load_policy(run: Run, file: Path | None = None) -> BaseAlgorithm:
     Raises
     ------
     ValueError
-        If the file is missing or is not a checkpoint of such a configuration.
+        If the file is missing, is not trusted or is not a checkpoint of such a configuration.
     """
     file = run.best if file is None else file
     if not file.is_file():
         raise ValueError(f"checkpoint must be a file, got {file}")
-    return _load(run.configuration, file)
+    return _load(run.configuration, file, read_pickle(file, trust=trust))
 
 
-def _load(configuration: Configuration, file: Path, env: VecEnv | None = None) -> BaseAlgorithm:
-    """A model from a file, if it was trained in the environment that the configuration names."""
+def _load(configuration: Configuration, file: Path, content: BytesIO, env: VecEnv | None = None) -> BaseAlgorithm:
+    """A model from a file's content, if it was trained in the environment that the configuration names."""
     try:
-        model = algorithm_class(configuration.algorithm).load(file, env=env, device="cpu")
+        model = algorithm_class(configuration.algorithm).load(content, env=env, device="cpu")
         trained_as = Configuration(**vars(model)[_CONFIGURATION])
     except Exception as error:  # SB3 raises whatever zipfile, pickle or torch do
         reason = " ".join(str(error).split())[:200]
@@ -244,6 +254,9 @@ class _Keeper(BaseCallback):
 
     def _on_training_start(self) -> None:
         self._next = self.num_timesteps + self._interval
+        # Its row is the last that is written of an evaluation: where a crash came before it, some of the rest may lack.
+        if self._done and self._done not in (row.steps for row in self._rows):
+            self.keep()
 
     def _on_step(self) -> bool:
         self._on_progress(self.num_timesteps)
@@ -278,11 +291,11 @@ class _Keeper(BaseCallback):
         self.logger.dump(self.num_timesteps)
         # In this order a crash between two of them loses none of the others' meaning.
         if isinstance(self.model, OffPolicyAlgorithm):
-            atomically(self._run.replay_buffer, self.model.save_replay_buffer)
-        atomically(self._run.checkpoint(self.num_timesteps), self.model.save)
+            write_pickle(self._run.replay_buffer, self.model.save_replay_buffer)
+        write_pickle(self._run.checkpoint(self.num_timesteps), self.model.save)
         if reward > self._best:
             self._best = reward
-            atomically(self._run.best, self.model.save)
+            write_pickle(self._run.best, self.model.save)
             if has_policy(self.model):
                 write_policy(
                     policy_of(self.model, self._run.configuration, self._scores(evaluation)), self._run.best_policy

@@ -8,12 +8,23 @@ from ..common.extras import optional_import
 with optional_import():
     import typer
 
-__all__ = ["GroupsOption", "SceneOption", "groups_of", "json_object", "said_in"]
+__all__ = ["GroupsOption", "SceneOption", "TrustOption", "WeightOption", "groups_of", "json_object", "said_in"]
 
 GroupsOption: TypeAlias = Annotated[
     str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")
 ]
 SceneOption: TypeAlias = Annotated[str, typer.Option(help="JSON such as '{\"ratchet\": false}'.")]
+
+TrustOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--trust", help="Read zips of Stable-Baselines3 that others may have written: they run what they like."
+    ),
+]
+
+WeightOption: TypeAlias = Annotated[
+    float | None, typer.Option(help="Weight of memory, 0 to 1, for a policy that was trained for any weight.")
+]
 
 
 def groups_of(text: str) -> str | dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from ..common.extras import optional_import
 from ..common.validation import known_names, whole_number
 from ..train.algorithms import ALGORITHMS
-from .options import groups_of, GroupsOption, json_object, said_in
+from .options import groups_of, GroupsOption, json_object, said_in, TrustOption
 from .printing import progress
 
 with optional_import():
@@ -39,6 +39,7 @@ def train(
         bool,
         typer.Option("--resume", help="Go on from the last checkpoint in the folder, which says all but the steps."),
     ] = False,
+    trust: TrustOption = False,
 ) -> None:
     """Train a policy, with evaluations, checkpoints and TensorBoard logs in the output folder."""
     from ..train.evaluations import best_of, read_evaluations
@@ -75,7 +76,7 @@ def train(
     with progress("training") as show:
         total = entry["n_timesteps"]
         finished = train_policy(
-            configuration, output, resume=resume, on_progress=lambda done: show(min(done, total), total)
+            configuration, output, resume=resume, trust=trust, on_progress=lambda done: show(min(done, total), total)
         )
     best = best_of(read_evaluations(finished.folder / "evaluations.csv"))
     terms = "" if math.isnan(best.speed) else f" (speed {best.speed:.4f}, memory {best.memory:.4f})"

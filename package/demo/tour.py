@@ -17,8 +17,8 @@ from ..studies.benchmark import run_benchmark, STANDARD_RESERVOIRS, table
 from ..tasks import known_reservoirs, plot_memory_profile, random_bits
 from ..train.evaluation import film, measure
 from ..train.figures import plot_trade
+from ..train.policies import read_policy
 from ..train.schedules import necklaces, Performance, performances, repeat
-from ..train.training import load_policy
 from .classroom import Classroom, Lesson
 from .page import write_page
 
@@ -82,7 +82,7 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         best = _open_loop([_BEST_WORD], seed, dither=0.0)[_BEST_WORD].speed
         classroom.show(console)
 
-    policies = {lesson.name: load_policy(classroom.run(lesson)) for lesson in _LESSONS}
+    policies = {lesson.name: read_policy(classroom.run(lesson).best_policy) for lesson in _LESSONS}
     quiet = StickSlipCrawlerEnv(**_SPEED.env_kwargs)
     noiseless = measure(policies[_SPEED.name], quiet, steps=2000, seed=seed)[0].speed
     measured = {

@@ -38,8 +38,19 @@ DEFAULTS = {
         "algorithm": "ppo",
         "hyperparameters": None,
         "resume": False,
+        "trust": False,
     },
-    "evaluate": {"checkpoint": None, "output": None, "steps": 6000, "seed": 0, "video": True},
+    "evaluate": {
+        "checkpoint": None,
+        "output": None,
+        "steps": 6000,
+        "seeds": 10,
+        "seed": 2_000_000,
+        "dither": None,
+        "weight": None,
+        "video": True,
+        "trust": False,
+    },
     "speed": {
         "output": "runs/speed",
         "groups": None,
@@ -217,24 +228,29 @@ def test_a_run_that_goes_on_may_be_told_what_it_knows_and_further_steps(trained,
 
 
 def test_an_evaluation_is_asked_for_option_by_option(capsys, calls, tmp_path):
-    noted = calls(report, "evaluate_run", {"steps": 1200, "speed": 0.5, "memory capacity, raw": 1.25})
-    said = run(
-        ["evaluate", "a run", "--checkpoint", "c.zip", "--output", "o", "--steps", "1200", "--seed", "7", "--no-video"]
+    estimates = {"speed": {"mean": 0.5, "low": 0.25, "high": 0.75}, "memory": {"mean": 1.25, "low": None, "high": None}}
+    noted = calls(report, "evaluate_run", {"steps": 1200, "seeds": [7, 8, 9], **estimates})
+    options = (
+        "--checkpoint c.zip --output o --steps 1200 --seed 7 --seeds 3 --dither 0.2 --weight 0.5 --trust --no-video"
     )
-    assert said == 0
+    assert run(["evaluate", "a run", *options.split()]) == 0
     ((folder,), named) = noted[0]
     assert str(folder) == "a run"
     assert {name: str(value) for name, value in named.items()} == {
         "checkpoint": "c.zip",
         "output": "o",
         "steps": "1200",
-        "seed": "7",
+        "seeds": "range(7, 10)",
+        "dither": "0.2",
+        "weight": "0.5",
         "video": "False",
+        "trust": "True",
     }
     assert capsys.readouterr().out.splitlines() == [
         "steps                    1200",
-        "speed                    0.5",
-        "memory capacity, raw     1.25",
+        "seeds                    7 to 9",
+        "speed                    0.5000 [0.2500, 0.7500]",
+        "memory                   1.2500",
     ]
 
 
@@ -242,8 +258,9 @@ def test_an_evaluation_is_asked_for_option_by_option(capsys, calls, tmp_path):
     ("options", "message"),
     [
         (["--steps", "999"], "error: --steps must be a whole number >= 1000, got 999"),
-        (["--seed", "-1"], "error: --seed must be a whole number in [0, 4294967295], got -1"),
-        (["--seed", "4294967296"], "error: --seed must be a whole number in [0, 4294967295], got 4294967296"),
+        (["--seed", "-1"], "error: --seed must be a whole number in [0, 4294967285], got -1"),
+        (["--seed", "4294967286"], "error: --seed must be a whole number in [0, 4294967285], got 4294967286"),
+        (["--seeds", "0"], "error: --seeds must be a whole number >= 1, got 0"),
     ],
 )
 def test_an_evaluation_of_wrong_numbers_is_refused(capsys, options, message):

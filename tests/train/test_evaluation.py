@@ -1,6 +1,7 @@
 """What a policy comes to: rolled out, measured, filmed and reported, each against the environment stepped by hand."""
 
 import json
+from dataclasses import asdict
 from functools import partial
 from inspect import signature
 
@@ -13,13 +14,15 @@ from stable_baselines3 import PPO
 from stickslip.common.figures import save_figure
 from stickslip.crawler import simulate
 from stickslip.envs import StickSlipCrawlerEnv
-from stickslip.train import report, StickSlipVecEnv
+from stickslip.reservoir import mean_over_runs
+from stickslip.train import report, StickSlipVecEnv, training
 from stickslip.train.evaluation import film, measure, roll_out
 from stickslip.train.evaluations import Evaluation, read_evaluations, write_evaluations
 from stickslip.train.hyperparameters import read_hyperparameters
 from stickslip.train.report import evaluate_run
 from stickslip.train.run import Configuration, Run
 from stickslip.train.schedules import performance
+from stickslip.train.scores import HELD_OUT_SEEDS, roll_outs
 from stickslip.train.training import load_policy, train
 
 # Every argument of the environment but `randomize` is another than by default.
@@ -105,12 +108,38 @@ def test_what_is_measured_is_the_crawler_of_the_episode(policy, arguments):
     np.testing.assert_array_equal(result.memory.profile, expected.memory.profile)
 
 
+@pytest.mark.parametrize("arguments", [ODD, DRAWN, QUIET], ids=["odd", "drawn", "quiet"])
+def test_episodes_side_by_side_are_each_as_alone(policy, arguments):
+    runs = roll_outs(policy, arguments, steps=1000, seeds=[9, 4])
+    for seed, each in zip([9, 4], runs, strict=True):
+        environment = StickSlipCrawlerEnv(**arguments)
+        result, command, valve = measure(policy, environment, steps=1000, seed=seed)
+        np.testing.assert_array_equal(each.command, command)
+        np.testing.assert_array_equal(each.valve, valve)
+        assert each.performance.speed == result.speed
+        assert (each.groups, each.scene) == (environment.episode_groups, environment.episode_scene)
+        if result.memory is not None:
+            assert each.performance.memory.corrected == result.memory.corrected
+
+
 @pytest.mark.parametrize(
     ("function", "defaults"),
     [
         (measure, {"steps": 6000, "seed": 0}),
         (film, {"steps": 240, "seed": 0}),
-        (evaluate_run, {"checkpoint": None, "output": None, "steps": 6000, "seed": 0, "video": True}),
+        (
+            evaluate_run,
+            {
+                "checkpoint": None,
+                "output": None,
+                "steps": 6000,
+                "seeds": HELD_OUT_SEEDS,
+                "dither": None,
+                "weight": None,
+                "video": True,
+                "trust": False,
+            },
+        ),
     ],
 )
 def test_what_is_not_said_is_as_the_pages_say(function, defaults):
@@ -179,14 +208,26 @@ def lines(figure):
 
 def test_a_report_is_of_the_checkpoint_steps_and_seed_asked_for(kept, drawn, tmp_path):
     checkpoint, folder = kept.checkpoint(256), tmp_path / "deep" / "report"
-    result = evaluate_run(kept.folder, checkpoint=checkpoint, output=folder, steps=1000, seed=4)
-    policy, environment = load_policy(kept, checkpoint), StickSlipCrawlerEnv(**ODD)
+    result = evaluate_run(kept.folder, checkpoint=checkpoint, output=folder, steps=1000, seeds=[4, 9], trust=True)
+    policy, environment = load_policy(kept, checkpoint, trust=True), StickSlipCrawlerEnv(**ODD)
+    other, _, _ = measure(policy, environment, steps=1000, seed=9)
     measured, command, valve = measure(policy, environment, steps=1000, seed=4)
+
+    told = {name: result[name] for name in ("speed", "memory capacity", "memory capacity, raw")}
+    for (name, estimate), values in zip(
+        told.items(),
+        [
+            (measured.speed, other.speed),
+            (measured.memory.corrected, other.memory.corrected),
+            (measured.memory.total, other.memory.total),
+        ],
+        strict=True,
+    ):
+        assert estimate == asdict(mean_over_runs(values)), name
     assert result == {
         "steps": 1000,
-        "speed": measured.speed,
-        "memory capacity": measured.memory.corrected,
-        "memory capacity, raw": measured.memory.total,
+        "seeds": [4, 9],
+        **told,
         "commands": "".join(map(str, command[500:540].tolist())),
     }
     assert json.loads((folder / "results.json").read_text(encoding="utf-8")) == result
@@ -216,19 +257,24 @@ def test_a_report_is_of_the_checkpoint_steps_and_seed_asked_for(kept, drawn, tmp
     assert memory[:, 1].tolist() == measured.memory.profile.tolist()
 
     filmed, arguments = drawn["clip.mp4"]
-    assert arguments == {"env_kwargs": kept.configuration.env_kwargs, "seed": 4}
+    assert arguments == {"env_kwargs": {**kept.configuration.env_kwargs, "memory_weight": 0.0}, "seed": 4}
     assert torch.equal(filmed.policy.action_net.weight, policy.policy.action_net.weight)
 
 
 def test_a_report_is_of_the_best_policy_beside_its_run_unless_it_is_said(kept, drawn):
-    result = evaluate_run(kept.folder, steps=1000, video=False)
-    best, policies = stepped(load_policy(kept), ODD, 1000, 0), (kept.folder / "checkpoints").iterdir()
+    result = evaluate_run(kept.folder, steps=1000, seeds=[11], video=False)
+    best, policies = stepped(load_policy(kept, trust=True), ODD, 1000, 11), (kept.folder / "checkpoints").iterdir()
     assert result["commands"] == "".join(map(str, best[0][500:540].tolist()))
     assert json.loads((kept.folder / "evaluation" / "results.json").read_text(encoding="utf-8")) == result
     assert "clip.mp4" not in drawn
     # Were all policies alike, another could stand for the best.
     assert (
-        len({measure(load_policy(kept, file), StickSlipCrawlerEnv(**ODD), steps=1000)[0].speed for file in policies})
+        len(
+            {
+                measure(load_policy(kept, file, trust=True), StickSlipCrawlerEnv(**ODD), steps=1000)[0].speed
+                for file in policies
+            }
+        )
         == 3
     )
 
@@ -240,8 +286,8 @@ def test_a_report_tells_what_was_drawn_and_no_memory_without_flips(
     entry = read_hyperparameters("ppo", "StickSlipCrawler-v0")
     run = Run.create(tmp_path / "run", Configuration(env_kwargs=arguments, hyperparameters=entry))
     write_evaluations(run.folder / "evaluations.csv", [Evaluation(1, 2.0, 3.0, 4.0)])
-    monkeypatch.setattr(report, "load_policy", lambda *_: policy)
-    result = evaluate_run(run.folder, steps=1000, seed=11, video=False)
+    monkeypatch.setattr(training, "load_policy", lambda *_, **__: policy)
+    result = evaluate_run(run.folder, steps=1000, seeds=[11], video=False)
     environment = StickSlipCrawlerEnv(**arguments)
     environment.reset(seed=11)
     assert ("memory capacity" in result) == ("memory.png" in drawn) == told
@@ -249,4 +295,4 @@ def test_a_report_tells_what_was_drawn_and_no_memory_without_flips(
         assert result["groups drawn"] == environment.episode_groups.to_dict()
         assert result["slope drawn"] == environment.episode_scene.slope
     else:
-        assert set(result) == {"steps", "speed", "commands"}
+        assert set(result) == {"steps", "seeds", "speed", "commands"}

@@ -46,7 +46,7 @@ def policy_of(model: BaseAlgorithm, configuration: Configuration, scores: Mappin
     configuration : Configuration
         What it was trained by.
     scores : mapping, optional
-        What it came to, ready for JSON; `stickslip.train.policies.scores` measures it.
+        What it came to, ready for JSON; `stickslip.train.scores.score` measures it.
 
     Returns
     -------

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...common.validation import finite_array
+from ...common.validation import finite_array, number_within
 from .description import checked, copied
 
 __all__ = ["ACTIVATIONS", "Layer", "Policy"]
@@ -157,6 +157,46 @@ class Policy:
         # P(open) = 1 / (1 + exp(l_0 - l_1)), and tanh overflows nowhere.
         opening = 0.5 + 0.5 * np.tanh(0.5 * (outputs[..., 1] - outputs[..., 0]))
         return (generator.random(opening.shape) < opening).astype(np.int64)[()]
+
+    def at(self, weight: float) -> "Policy":
+        """What a policy that is `conditioned` on the weight does at one weight, as a policy that takes none.
+
+        The weight's part of the first layer is put into its bias, which rounds it to single precision.
+
+        Parameters
+        ----------
+        weight : float, in [0, 1]
+            Of memory in the reward.
+
+        Returns
+        -------
+        Policy
+            Its environment's ``memory_weight`` is the weight; its scores are those at that weight, if there are any.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If the policy takes no weight, or `weight` is out of range.
+        """
+        if not self.conditioned:
+            raise ValueError(f"weight must not be set: {self!r} was not trained for any weight")
+        chosen = number_within("weight", weight, "[0, 1]")
+        description = self.description
+        sizes = description["network"]["sizes"]
+        at_weight = [each for each in description["scores"].get("weights", []) if each.get("weight") == chosen]
+        description |= {
+            "conditioned": False,
+            "env_kwargs": {**description["env_kwargs"], "memory_weight": chosen},
+            "network": {**description["network"], "sizes": [sizes[0] - 1, *sizes[1:]]},
+            "scores": at_weight[0] if at_weight else {},
+        }
+        (first, bias), *further = self.layers
+        moved = bias + first[:, -1].astype(np.float64) * np.float32(chosen)
+        return Policy([(first[:, :-1], moved.astype(np.float32)), *further], description)
+
+    def scored(self, scores: Mapping[str, Any]) -> "Policy":
+        """The same policy with other scores, ready for JSON."""
+        return Policy(self.layers, {**self.description, "scores": dict(scores)})
 
     def _inputs(self, observation: ArrayLike, weight: ArrayLike | None) -> Array:
         wanted = self.layers[0].weight.shape[1] - self.conditioned

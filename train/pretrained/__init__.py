@@ -1,0 +1,1 @@
+"""Weights and descriptions of the policies that `stickslip.pretrained` reads."""

@@ -1,0 +1,145 @@
+"""What a policy comes to on seeds that no training saw: means and intervals, ready for its file."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.validation import whole_number
+from ..crawler import Groups, Scene
+from ..envs import StickSlipCrawlerVectorEnv
+from ..reservoir import mean_over_runs
+from .evaluation import Acting, actor
+from .schedules import Performance, performance
+
+__all__ = ["HELD_OUT_SEEDS", "Rollout", "interval", "judging", "roll_outs", "score", "summary"]
+
+HELD_OUT_SEEDS = tuple(range(2_000_000, 2_000_010))
+"""Apart from those of trainings, and of the evaluations within them that choose the best policy."""
+
+
+class Rollout(NamedTuple):
+    """One long episode of a policy."""
+
+    command: NDArray[np.int64]
+    """Of shape (steps,), 0 or 1: what the policy asked for."""
+    valve: NDArray[np.int64]
+    """Of shape (steps,), 0 or 1: what came of it."""
+    groups: Groups
+    scene: Scene
+    performance: Performance
+
+
+def judging(env_kwargs: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of the environment in which a policy is judged: what its reward was made of is told apart."""
+    return {**env_kwargs, "memory_weight": 0.0}
+
+
+def roll_outs(
+    policy: Acting, env_kwargs: dict[str, Any], *, steps: int = 6000, seeds: Sequence[int] = HELD_OUT_SEEDS
+) -> list[Rollout]:
+    """Let a policy act, deterministically, through one long episode a seed, all side by side.
+
+    Parameters
+    ----------
+    policy : Policy or BaseAlgorithm
+        That takes no weight; `Policy.at` makes one.
+    env_kwargs : dict
+        Of the environment; what says how to weigh and what to reward is left out.
+    steps : int
+        1000 at least: the memory is held out on the second half of them.
+    seeds : sequence of int
+        Of the flips and the draws, one an episode.
+
+    Returns
+    -------
+    list of Rollout
+        Each to the bit as alone.
+    """
+    whole_number("steps", steps, 1000)
+    batch = StickSlipCrawlerVectorEnv(len(seeds), **judging(env_kwargs), max_episode_steps=None, copy=False)
+    command, valve = (np.empty((steps, len(seeds)), np.int64) for _ in range(2))
+    try:
+        act = actor(policy, len(seeds))
+        observation, _ = batch.reset(seed=list(seeds))
+        for k in range(steps):
+            command[k] = act(observation)
+            observation, _, _, _, infos = batch.step(command[k])
+            valve[k] = infos["valve"]
+        crawlers = list(zip(batch.get_attr("episode_groups"), batch.get_attr("episode_scene"), strict=True))
+    finally:
+        batch.close()
+    settings = batch.settings
+    return [
+        Rollout(
+            asked,
+            came,
+            groups,
+            scene,
+            performance(
+                asked,
+                came,
+                dither=settings.dither,
+                groups=groups,
+                hold=settings.hold,
+                scene=scene,
+                delays=settings.delays,
+                virtual_nodes=settings.virtual_nodes,
+                tolerance=settings.tolerance,
+            ),
+        )
+        for asked, came, (groups, scene) in zip(command.T, valve.T, crawlers, strict=True)
+    ]
+
+
+def score(
+    policy: Acting, env_kwargs: dict[str, Any], *, steps: int = 6000, seeds: Sequence[int] = HELD_OUT_SEEDS
+) -> dict[str, Any]:
+    """Speed and memory of a policy over seeds.
+
+    Parameters
+    ----------
+    policy, env_kwargs, steps, seeds
+        As for `roll_outs`.
+
+    Returns
+    -------
+    dict
+        As `summary` returns it.
+    """
+    return summary([each.performance for each in roll_outs(policy, env_kwargs, steps=steps, seeds=seeds)], steps, seeds)
+
+
+def summary(performances: Sequence[Performance], steps: int, seeds: Sequence[int]) -> dict[str, Any]:
+    """Means and 95% intervals over seeds, ready for JSON.
+
+    Parameters
+    ----------
+    performances : sequence of Performance
+        One a seed.
+    steps : int
+    seeds : sequence of int
+
+    Returns
+    -------
+    dict
+        ``"measured"``, ``"steps"``, ``"seeds"``, ``"speed"`` (z_c / t_c) and, where there were flips, ``"memory"`` (the
+        corrected total capacity), as `interval` tells them.
+    """
+    told: dict[str, Any] = {
+        "measured": "in one long episode a seed, memory held out on its second half",
+        "steps": steps,
+        "seeds": list(seeds),
+        "speed": interval([each.speed for each in performances]),
+    }
+    memories = [each.memory.corrected for each in performances if each.memory is not None]
+    return told | ({"memory": interval(memories)} if memories else {})
+
+
+def interval(values: Sequence[float]) -> dict[str, Any]:
+    """``mean``, ``low``, ``high`` and ``runs`` of `mean_over_runs`; ends that are not known are None."""
+    if len(values) < 2:
+        return {"mean": float(np.mean(values)), "low": None, "high": None, "runs": len(values)}
+    return {name: value if np.isfinite(value) else None for name, value in asdict(mean_over_runs(values)).items()}
