@@ -11,7 +11,7 @@ from ..common.terminal import say_what_can_be_said
 with optional_import():
     import typer
 
-from . import bench, compilation, demo, evaluate, names, search, speed, trade, train
+from . import bench, compilation, demo, evaluate, export, names, search, speed, trade, train
 from .interruption import continued, INTERRUPTED, Interruptible, resumed
 
 __all__ = ["app", "run"]
@@ -28,6 +28,7 @@ app.command("demo", cls=continued())(demo.demo)
 app.command("train", cls=resumed("configuration.yml"))(train.train)
 app.command("evaluate", cls=Interruptible)(evaluate.evaluate)
 app.command("trade", cls=continued())(trade.trade)
+app.command("export", cls=Interruptible)(export.export)
 app.command("speed", cls=Interruptible)(speed.speed)
 app.command("bench", cls=resumed("finished"))(bench.bench)
 app.command("search", cls=continued())(search.search)

@@ -1,14 +1,28 @@
 """Options that several commands take, and what is made of them."""
 
 import json
-from typing import Annotated, Any, TypeAlias
+from dataclasses import fields, MISSING
+from typing import Annotated, Any, TYPE_CHECKING, TypeAlias
 
 from ..common.extras import optional_import
+from ..common.validation import known_names
 
 with optional_import():
     import typer
 
-__all__ = ["GroupsOption", "SceneOption", "TrustOption", "WeightOption", "groups_of", "json_object", "said_in"]
+if TYPE_CHECKING:
+    from ..crawler import Actuator
+
+__all__ = [
+    "GroupsOption",
+    "SceneOption",
+    "TrustOption",
+    "WeightOption",
+    "actuator_of",
+    "groups_of",
+    "json_object",
+    "said_in",
+]
 
 GroupsOption: TypeAlias = Annotated[
     str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")
@@ -25,6 +39,27 @@ TrustOption: TypeAlias = Annotated[
 WeightOption: TypeAlias = Annotated[
     float | None, typer.Option(help="Weight of memory, 0 to 1, for a policy that was trained for any weight.")
 ]
+
+
+def actuator_of(text: str) -> "Actuator":
+    """The preset "ecoflex", or an `Actuator` of its fields from JSON.
+
+    Raises
+    ------
+    ValueError
+        If a field is unknown, missing or out of range; the message names it.
+    """
+    # Imported where it is used: the physics takes half a second.
+    from ..crawler import Actuator
+
+    if text == "ecoflex":
+        return Actuator.ecoflex()
+    given = json_object("--actuator", text)
+    known = fields(Actuator)
+    known_names("--actuator", given, [each.name for each in known])
+    if missing := [each.name for each in known if each.default is MISSING and each.name not in given]:
+        raise ValueError(f"--actuator must set {missing} too, got {sorted(given)}")
+    return Actuator(**given)
 
 
 def groups_of(text: str) -> str | dict[str, Any]:

@@ -51,6 +51,17 @@ DEFAULTS = {
         "video": True,
         "trust": False,
     },
+    "export": {
+        "output": None,
+        "weight": None,
+        "holds": 200,
+        "hold": None,
+        "dither": None,
+        "seed": 0,
+        "actuator": None,
+        "open_volts": 24.0,
+        "shut_volts": 0.0,
+    },
     "speed": {
         "output": "runs/speed",
         "groups": None,

@@ -10,6 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
@@ -17,7 +18,7 @@ from ...common.files import atomically
 from .description import canonical, checked
 from .policy import Layer, Policy
 
-__all__ = ["DESCRIPTION", "WEIGHTS", "packed", "read_policy", "unpacked", "write_policy"]
+__all__ = ["DESCRIPTION", "WEIGHTS", "named_weights", "packed", "read_policy", "unpacked", "write_policy"]
 
 WEIGHTS = ".safetensors"
 DESCRIPTION = ".json"
@@ -27,13 +28,13 @@ _DIGEST = "sha256"
 _DESCRIBED_BY = "description_sha256"
 
 
-def write_policy(policy: Policy, path: Path) -> None:
+def write_policy(policy: Policy, path: str | Path) -> None:
     """Write a policy's two files, each whole or not at all.
 
     Parameters
     ----------
     policy : Policy
-    path : Path
+    path : str or Path
         Without a suffix, or with that of one of the two.
 
     Raises
@@ -45,12 +46,12 @@ def write_policy(policy: Policy, path: Path) -> None:
         atomically(_beside(path, suffix), lambda file, content=content: file.write_bytes(content))  # type: ignore[misc]
 
 
-def read_policy(path: Path) -> Policy:
+def read_policy(path: str | Path) -> Policy:
     """Read a policy. No code of the file's is run.
 
     Parameters
     ----------
-    path : Path
+    path : str or Path
         Without a suffix, or with that of one of the two files.
 
     Returns
@@ -88,10 +89,14 @@ def packed(policy: Policy) -> dict[str, bytes]:
     dict of str to bytes
     """
     description = policy.description
-    names = {f"{k}.{part}": getattr(layer, part) for k, layer in enumerate(policy.layers) for part in Layer._fields}
-    weights = save(names, {_DESCRIBED_BY: _digest(canonical(description).encode())})
+    weights = save(named_weights(policy), {_DESCRIBED_BY: _digest(canonical(description).encode())})
     text = json.dumps({**description, _DIGEST: _digest(weights)}, indent=2, allow_nan=False, ensure_ascii=False)
     return {WEIGHTS: weights, DESCRIPTION: (text + "\n").encode()}
+
+
+def named_weights(policy: Policy) -> dict[str, NDArray[Any]]:
+    """A policy's arrays, layer by layer: ``0.weight``, ``0.bias``, ``1.weight`` and so on."""
+    return {f"{k}.{part}": getattr(layer, part) for k, layer in enumerate(policy.layers) for part in Layer._fields}
 
 
 def unpacked(contents: dict[str, bytes], name: str) -> Policy:
@@ -164,6 +169,7 @@ def _line(error: BaseException) -> str:
     return " ".join(str(error).split())[:300] or type(error).__name__
 
 
-def _beside(path: Path, suffix: str) -> Path:
+def _beside(path: str | Path, suffix: str) -> Path:
+    path = Path(path)
     name = path.name.removesuffix(WEIGHTS).removesuffix(DESCRIPTION)
     return path.with_name(name + suffix)
