@@ -11,16 +11,18 @@ if TYPE_CHECKING:
     from .files import read_policy, write_policy
     from .from_model import policy_of
     from .policy import Layer, Policy
+    from .pretrained import pretrained
 
 _HOME = {
     "Layer": ".policy",
     "Policy": ".policy",
     "policy_of": ".from_model",
+    "pretrained": ".pretrained",
     "read_policy": ".files",
     "write_policy": ".files",
 }
 
-__all__ = ["Layer", "Policy", "policy_of", "read_policy", "write_policy"]
+__all__ = ["Layer", "Policy", "policy_of", "pretrained", "read_policy", "write_policy"]
 
 
 if not TYPE_CHECKING:

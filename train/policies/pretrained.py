@@ -8,10 +8,12 @@ from .policy import Policy
 
 __all__ = ["PRETRAINED", "pretrained"]
 
-PRETRAINED = ("speed", "knee", "memory", "conditioned")
-"""Names of the policies: the ends of the trade, its knee, and one policy for every weight of memory."""
+_PLACE = resources.files("stickslip.train.pretrained")
 
-_PLACE = "stickslip.train.pretrained"
+PRETRAINED = tuple(
+    sorted(file.name.removesuffix(DESCRIPTION) for file in _PLACE.iterdir() if file.name.endswith(DESCRIPTION))
+)
+"""Names of the policies, which are those of the files."""
 
 
 def pretrained(name: str) -> Policy:
@@ -19,7 +21,8 @@ def pretrained(name: str) -> Policy:
 
     Parameters
     ----------
-    name : {"speed", "knee", "memory", "conditioned"}
+    name : str
+        One of :data:`PRETRAINED`: "speed" and "memory" are the ends of the trade, "knee" has most of both, and
         "conditioned" takes the weight of memory beside the observation.
 
     Returns
@@ -32,5 +35,4 @@ def pretrained(name: str) -> Policy:
         If there is none of that name, or its files were changed.
     """
     known_names("name", [name], PRETRAINED)
-    folder = resources.files(_PLACE)
-    return unpacked({suffix: (folder / (name + suffix)).read_bytes() for suffix in (WEIGHTS, DESCRIPTION)}, name)
+    return unpacked({suffix: (_PLACE / (name + suffix)).read_bytes() for suffix in (WEIGHTS, DESCRIPTION)}, name)
