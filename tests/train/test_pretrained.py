@@ -14,7 +14,7 @@ from stickslip.train.policies import Policy, read_policy
 from stickslip.train.policies.pretrained import PRETRAINED
 from stickslip.train.schedules import performance
 from stickslip.train.scores import HELD_OUT_SEEDS, score
-from stickslip.train.shipping import ship
+from stickslip.train.shipping import ship, WEIGHTS_OF_A_FRONT
 
 ROOT = Path(__file__).parents[2]
 
@@ -56,10 +56,8 @@ def test_a_shipped_policy_scores_what_its_file_says(name):
         # One seed, over fewer steps, spreads as the ten did, and somewhat more.
         spread = (estimate["high"] - estimate["low"]) * np.sqrt(len(told["seeds"]))
         assert abs(value - estimate["mean"]) < 2 * spread + 0.1 * estimate["mean"]
-    assert all(
-        (file := ROOT / "train" / "pretrained" / f"{name}{end}").stat().st_size < 32_000
-        for end in (".json", ".safetensors")
-    ), file
+    for end in (".json", ".safetensors"):
+        assert (ROOT / "train" / "pretrained" / (name + end)).stat().st_size < 32_000
 
 
 def test_the_knee_has_most_of_both():
@@ -83,28 +81,29 @@ def test_a_shipped_policy_runs_where_nothing_is_installed_that_trains_one():
 
 def test_shipping_measures_on_held_out_seeds_and_writes(tmp_path):
     policy = plain("knee").scored({})
-    shipped = ship(policy, "mine", tmp_path / "deep", steps=1000, seeds=(5, 6))
-    assert shipped.scores == score(policy, policy.env_kwargs, steps=1000, seeds=(5, 6))
+    shipped = ship(policy, "mine", tmp_path / "deep", steps=1600, seeds=(5, 6))
+    assert shipped.scores == score(policy, policy.env_kwargs, steps=1600, seeds=(5, 6))
     again = read_policy(tmp_path / "deep" / "mine")
     assert again.description == shipped.description
     assert json.loads((tmp_path / "deep" / "mine.json").read_text(encoding="utf-8"))["scores"]["seeds"] == [5, 6]
     # Of a run's folder its best policy is taken.
     (tmp_path / "run").mkdir()
-    ship(policy, "best", tmp_path / "run", steps=1000, seeds=(5, 6))
-    assert ship(tmp_path / "run", "other", tmp_path, steps=1000, seeds=(5, 6)).scores == shipped.scores
+    ship(policy, "best", tmp_path / "run", steps=1600, seeds=(5, 6))
+    assert ship(tmp_path / "run", "other", tmp_path, steps=1600, seeds=(5, 6)).scores == shipped.scores
 
 
-def test_a_policy_for_every_weight_is_measured_at_each(tmp_path):
+def test_a_policy_for_every_weight_is_measured_at_each(tmp_path, monkeypatch):
+    assert tuple(k / 10 for k in range(11)) == WEIGHTS_OF_A_FRONT
+    monkeypatch.setattr("stickslip.train.shipping.WEIGHTS_OF_A_FRONT", (0.0, 0.3, 1.0))
     knee = stickslip.pretrained("knee")
     (first, bias), *others = knee.layers
-    column = np.zeros((len(bias), 1), np.float32)
-    column[0] = 3.0
+    column = np.random.default_rng(0).normal(size=(len(bias), 1)).astype(np.float32)
     description = knee.description
     sizes = description["network"]["sizes"]
     description["network"]["sizes"] = [sizes[0] + 1, *sizes[1:]]
     any_weight = Policy([(np.hstack([first, column]), bias), *others], {**description, "conditioned": True})
-    scores = ship(any_weight, "any", tmp_path, steps=1000, seeds=(5, 6)).scores["weights"]
-    assert [each["weight"] for each in scores] == [k / 10 for k in range(11)]
+    scores = ship(any_weight, "any", tmp_path, steps=1600, seeds=(5, 6)).scores["weights"]
+    assert [each["weight"] for each in scores] == [0.0, 0.3, 1.0]
     at = any_weight.at(0.3)
-    assert scores[3] == {"weight": 0.3, **score(at, at.env_kwargs, steps=1000, seeds=(5, 6))}
-    assert scores[3]["speed"] != scores[10]["speed"]
+    assert scores[1] == {"weight": 0.3, **score(at, at.env_kwargs, steps=1600, seeds=(5, 6))}
+    assert scores[1]["speed"] != scores[2]["speed"]
