@@ -170,9 +170,46 @@ def mo_gymnasium(run):
     vector = left["info"]["vector_reward"]
     assert vector[0] == speeds[-1]
     assert left["reward"] == np.dot(vector, [0.7, 0.3])
+    of_each = left["infos"]["episode"]["r"]
+    assert of_each.shape == (64, 2)
+    np.testing.assert_allclose(of_each[0], [speeds.sum(), memories.sum()], rtol=1e-5)
     # Memory alone is divided, by the standard deviation of its discounted return so far.
     returns = list(itertools.accumulate(memories, lambda before, memory: 0.99 * before + memory))
     assert abs(vector[1] * np.std(returns) / memories[-1] - 1) < 0.01
+    _other_wrappers()
+
+
+def _other_wrappers():
+    """Those that the page does not show."""
+    import mo_gymnasium as package
+    from mo_gymnasium.wrappers import MOClipReward, MOMaxAndSkipObservation
+    from mo_gymnasium.wrappers.vector import MOSyncVectorEnv
+
+    def make():
+        return package.make(f"{ID[:-3]}MO-v0", max_episode_steps=200)
+
+    expected = [alone(i, [1] * 8)[2] for i in range(2)]
+    vectors = np.array([[[info["speed"], info["memory"]] for info in infos[1:]] for infos in expected])
+    skipping = MOMaxAndSkipObservation(make(), skip=4)
+    skipping.reset(seed=0)
+    np.testing.assert_allclose(skipping.step(1)[1], vectors[0, :4].sum(axis=0), rtol=1e-6)
+    clipped = MOClipReward(make(), 1, -0.01, 0.01)
+    clipped.reset(seed=0)
+    np.testing.assert_array_equal(
+        [clipped.step(1)[1] for _ in range(8)],
+        np.column_stack([vectors[0, :, 0], np.clip(vectors[0, :, 1], -0.01, 0.01)]),
+    )
+    # MOAsyncVectorEnv of 1.3 cannot be made under Gymnasium 1.4, whatever the environment.
+    batch = MOSyncVectorEnv([make, make])
+    batch.reset(seed=0)
+    rewards = np.array([batch.step(np.ones(2, int))[1] for _ in range(8)])
+    np.testing.assert_array_equal(rewards, np.float32(vectors.swapaxes(0, 1)))
+
+
+def morl_baselines(run):
+    speed, memory = run()["returns"] / 100
+    assert speed > 2 * RANDOM_SPEED  # after so few steps
+    assert np.isfinite(memory)
 
 
 def rl_zoo3(run):
@@ -260,6 +297,7 @@ CHECKS = {
     "Minari": minari,
     "skrl": skrl,
     "MO-Gymnasium": mo_gymnasium,
+    "MORL-Baselines": morl_baselines,
     "rl-zoo3": rl_zoo3,
     "RLlib": rllib,
     "Tianshou": tianshou,
