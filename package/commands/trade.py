@@ -79,7 +79,7 @@ def trade(
         for finished in folder.run(processes=workers, dask=dask):
             show(finished.done, finished.of)
     found = fronts(asked, folder.results())
-    write_report(output, asked, found)
+    write_report(folder, found)
     for front in found:
         if front.dither:
             print_table(f"dither {front.dither:g}, mean [95% interval] over {asked.judges} seeds", areas(front))

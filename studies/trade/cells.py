@@ -13,6 +13,7 @@ from ...common.threads import library_threads
 from ...envs import StickSlipCrawlerVectorEnv
 from ...tasks import dithered
 from ...train.policies import Policy, read_policy
+from .attribution import feedback_cut
 from .conditions import conditions
 from .judgement import held_out_seeds, judge, Judgement
 from .open_loop import open_loop_front
@@ -115,9 +116,14 @@ def _judge(job: Job) -> Outcome:
         return acted.commands[k : k + 1], acted.valves[k : k + 1]
 
     judgement = judge([job.cell.name], runs, settings, seeds=seeds)
-    return Outcome(
-        {**_numbers(judgement), "episodes": {"speeds": acted.speeds.tolist(), "memories": acted.memories.tolist()}}
-    )
+    told = {
+        **_numbers(judgement),
+        "episodes": {"speeds": acted.speeds.tolist(), "memories": acted.memories.tolist()},
+    }
+    if settings.dither:
+        cut = judge([job.cell.name], feedback_cut(runs, settings.dither), settings, seeds=seeds)
+        told["body memories"] = cut.memories.tolist()
+    return Outcome(told)
 
 
 class Acted(NamedTuple):

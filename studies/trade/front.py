@@ -34,6 +34,8 @@ class Point:
         Over long runs: of the foot, z_c / t_c; held-out memory capacity, its corrected total.
     episode_speeds, episode_memories : (m,) arrays or None
         Means over one episode of what the environment pays, each before its weight.
+    body_memories : (m,) array or None
+        Memory of a policy whose feedback is cut: its commands on flips that it knows nothing of.
     """
 
     kind: str
@@ -44,6 +46,7 @@ class Point:
     memories: NDArray[np.float64]
     episode_speeds: NDArray[np.float64] | None = None
     episode_memories: NDArray[np.float64] | None = None
+    body_memories: NDArray[np.float64] | None = None
 
     @property
     def mean(self) -> tuple[float, float]:
@@ -75,6 +78,11 @@ class Front:
     def speed_limit(self) -> Estimate:
         """Speed of the fastest policy that is known."""
         return estimated(np.array(self.limit["speeds"]))
+
+    @property
+    def fastest(self) -> Point | None:
+        """The policy of most speed."""
+        return max([*self.policies, *self.conditioned], key=lambda point: point.mean[0], default=None)
 
     @property
     def knee(self) -> Point | None:
@@ -188,6 +196,7 @@ def _policy(kind: str, cell: Cell, result: Mapping[str, Any]) -> Point:
         np.array(memories),
         np.array(paid["speeds"]),
         np.array(paid["memories"]),
+        np.array(result["body memories"][0]) if "body memories" in result else None,
     )
 
 

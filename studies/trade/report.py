@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,10 @@ from ...reservoir.bootstrap import Estimate
 from ..benchmark.report import as_markdown, cell
 from .figure import plot_front
 from .front import area, as_json, estimated, Front, gain, Point
+from .learned import Learned, learned
 from .plan import OPEN_LOOP, Trade
+from .portrait_figure import plot_learned
+from .running import TradeFolder
 
 __all__ = ["COLUMNS", "areas", "figure_of", "rows", "table", "write_report"]
 
@@ -22,11 +25,11 @@ COLUMNS = (
     "dither", "kind", "weight", "training_seed", "name",
     "speed", "speed_low", "speed_high", "memory", "memory_low", "memory_high",
     "reward", "lead", "lead_low", "lead_high",
-    "episode_speed", "episode_memory",
+    "episode_speed", "episode_memory", "body_memory",
 )  # fmt: skip
 """Of ``front.csv``: means over the seeds that judge, with 95% intervals. `reward` is that of long runs at the policy's
 weight, `lead` what it is above the best open-loop word, held open or held shut; `episode_...` is what the environment
-pays over one episode."""
+pays over one episode, `body_memory` the memory of a policy's commands on flips that it knows nothing of."""
 
 
 def rows(front: Front) -> Iterator[dict[str, Any]]:
@@ -39,19 +42,23 @@ def rows(front: Front) -> Iterator[dict[str, Any]]:
             row |= _ends(name, estimated(values))
         if point.weight is not None:
             row |= {"reward": float(point.rewards(point.weight).mean()), **_ends("lead", front.lead(point))}
-        for name, paid in (("episode_speed", point.episode_speeds), ("episode_memory", point.episode_memories)):
-            if paid is not None:
-                row[name] = float(paid.mean())
+        for name, told in (
+            ("episode_speed", point.episode_speeds),
+            ("episode_memory", point.episode_memories),
+            ("body_memory", point.body_memories),
+        ):
+            if told is not None:
+                row[name] = float(told.mean())
         yield row
 
 
-def write_report(folder: Path, trade: Trade, fronts: Sequence[Front], *, weight: float = 0.2) -> None:
+def write_report(folder: TradeFolder, fronts: Sequence[Front], *, weight: float = 0.2) -> None:
     """Write all of it, each file whole or not at all.
 
     Parameters
     ----------
-    folder : Path
-    trade : Trade
+    folder : TradeFolder
+        That holds what the fronts were made of.
     fronts : sequence of Front
     weight : float
         Of memory in the reward whose lines of equal reward the figures show.
@@ -61,33 +68,40 @@ def write_report(folder: Path, trade: Trade, fronts: Sequence[Front], *, weight:
     OSError
         If the folder cannot be written.
     """
+    trade, output = folder.trade, folder.folder
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
     for front in fronts:
         writer.writerows(rows(front))
-    _write(folder / "front.csv", text.getvalue())
+    _write(output / "front.csv", text.getvalue())
     told = {
         "settings": trade.settings,
         "weights": list(trade.weights),
         "seeds": trade.seeds,
         "dithers": {str(front.dither): front.summary() for front in fronts},
     }
-    _write(folder / "front.json", json.dumps(told, indent=1) + "\n")
+    _write(output / "front.json", json.dumps(told, indent=1) + "\n")
+    looked_at = {front.dither: learned(folder, front) for front in fronts if front.dither > 0}
     for front in fronts:
         if front.dither > 0:
-            save_figure(plot_front(front, weight=weight), folder / figure_of(front))
-    _write(folder / "index.md", _page(trade, fronts))
+            save_figure(plot_front(front, weight=weight), output / figure_of(front))
+        if (seen := looked_at.get(front.dither)) is not None:
+            figure = plot_learned(seen.portraits, seen.responses, seen.imitations)
+            save_figure(figure, output / figure_of(front, "learned"))
+    _write(output / "index.md", _page(trade, fronts, looked_at))
 
 
-def figure_of(front: Front) -> str:
-    """Name of a front's figure."""
-    return f"front-{front.dither!r}.png"
+def figure_of(front: Front, name: str = "front") -> str:
+    """Name of a figure of a front."""
+    return f"{name}-{front.dither!r}.png"
 
 
 def table(front: Front) -> list[list[str]]:
     """Speed, memory and reward of what matters at one dither, under a row of headings."""
-    told = [["", "weight", "speed", "memory", "reward above the best schedule", "memory paid in an episode"]]
+    told = [
+        ["", "weight", "speed", "memory", "reward above the best schedule", "memory paid in an episode", "of the body"]
+    ]
     corners = _corners(front.open_loop)
     for point in front.points:
         if point.kind == OPEN_LOOP and point not in corners:
@@ -107,6 +121,7 @@ def table(front: Front) -> list[list[str]]:
                 cell(estimated(point.memories)) if front.dither else "",
                 "" if point.weight is None else cell(front.lead(point), 3, "+"),
                 "" if paid is None or not memory else f"{paid.mean():.2f} ({paid.mean() / memory:.0%})",
+                "" if point.body_memories is None else cell(estimated(point.body_memories)),
             ]
         )
     return told
@@ -120,7 +135,7 @@ def _corners(words: Sequence[Point]) -> list[Point]:
     ]
 
 
-def _page(trade: Trade, fronts: Sequence[Front]) -> str:
+def _page(trade: Trade, fronts: Sequence[Front], looked_at: Mapping[float, Learned | None]) -> str:
     hold = StickSlipCrawlerEnv(**trade.configuration(fronts[0].dither, 0.0, 0).env_kwargs).settings.hold
     parts = [
         "# Distance against memory",
@@ -144,6 +159,14 @@ def _page(trade: Trade, fronts: Sequence[Front]) -> str:
             f" shut, an open-loop word{': ' if losses else '.'}{', '.join(point.name for point in losses)}"
         )
         parts.append(as_markdown(table(front)))
+        if (seen := looked_at.get(front.dither)) is not None:
+            parts.append(f"![What the policies have learned]({figure_of(front, 'learned')})")
+            parts += [
+                f"A register of the last {bits} valve states, table {register.name}, commands as the {name} policy does"
+                f" in {seen.imitations[name][bits].agreement:.1%} of the holds. By itself it comes to speed"
+                f" {cell(estimated(register.speeds), 3)} and memory {cell(estimated(register.memories))}."
+                for name, (bits, register) in seen.registers.items()
+            ]
     return "\n\n".join(parts) + "\n"
 
 

@@ -2,12 +2,17 @@
 
 import csv
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from policies_by_hand import negation
 
+from stickslip.studies.trade import report
 from stickslip.studies.trade.front import area, estimated, Front, fronts, gain, Point
+from stickslip.studies.trade.learned import Learned
 from stickslip.studies.trade.plan import Cell, CONDITIONED, JUDGED, LIMIT, OPEN_LOOP, Trade, TRAINED
+from stickslip.studies.trade.portrait import imitation, portrait
 from stickslip.studies.trade.report import COLUMNS, rows, table, write_report
 
 SPREAD = np.array([-0.01, 0.0, 0.01])
@@ -96,7 +101,7 @@ def results(trade):
 
 
 def test_points_come_from_the_cells_of_their_dither():
-    trade = Trade(weights=(0.0, 0.5), dithers=(0.0, 0.1), seeds=1)
+    trade = Trade(weights=(0.0, 0.5), dithers=(0.0, 0.1), seeds=1, conditioned=True)
     quiet, front = fronts(trade, results(trade))
     assert (quiet.dither, front.dither) == (0.0, 0.1)
     assert [each.weight for each in quiet.policies] == [0.0]
@@ -112,11 +117,22 @@ def test_points_come_from_the_cells_of_their_dither():
     assert Cell(JUDGED[TRAINED], 0.1, 0.5, 0).name == "judged-" + front.policies[1].name
 
 
-def test_what_is_written_says_what_was_found(tmp_path):
-    trade = Trade(weights=(0.0, 0.5), dithers=(0.0, 0.1), seeds=1)
+def test_what_is_written_says_what_was_found(tmp_path, monkeypatch):
+    trade = Trade(weights=(0.0, 0.5), dithers=(0.0, 0.1), seeds=1, conditioned=True)
     found = fronts(trade, results(trade))
-    write_report(tmp_path, trade, found)
-    assert {file.name for file in tmp_path.iterdir()} == {"front.csv", "front.json", "front-0.1.png", "index.md"}
+    register = point("register", "1100", 0.7, 3.0)
+    pictures = {"knee": portrait(negation(2), holds=60, seeds=range(2))}
+    imitations = {"knee": {2: imitation(pictures["knee"], 2)}}
+    looked_at = Learned(pictures, {"knee": np.zeros(4)}, imitations, {"knee": (2, register)})
+    monkeypatch.setattr(report, "learned", lambda folder, front: looked_at if front is found[1] else None)
+    write_report(SimpleNamespace(folder=tmp_path, trade=trade), found)
+    assert {file.name for file in tmp_path.iterdir()} == {
+        "front.csv",
+        "front.json",
+        "front-0.1.png",
+        "learned-0.1.png",
+        "index.md",
+    }
     with (tmp_path / "front.csv").open(encoding="utf-8", newline="") as text:
         written = list(csv.DictReader(text))
     assert tuple(written[0]) == COLUMNS
@@ -130,11 +146,13 @@ def test_what_is_written_says_what_was_found(tmp_path):
     page = (tmp_path / "index.md").read_text(encoding="utf-8")
     assert "![Speed against memory capacity](front-0.1.png)" in page
     assert page.count("## Dither") == 2
+    assert "A register of the last 2 valve states, table 1100, commands as the knee policy does in 100.0% of" in page
+    assert "By itself it comes to speed 0.700 [0.675, 0.725] and memory 3.00." in page
 
 
 def test_tables_have_a_row_a_policy_and_say_what_an_episode_pays():
     heading, *body = table(a_front())
     assert {len(row) for row in body} == {len(heading)}
     assert [row[0] for row in body if row[0].startswith("policy")] == ["policy seed 0"] * 3
-    assert [row[-1] for row in body][-2] == "2.40 (80%)"
+    assert [row[-2] for row in body][-2] == "2.40 (80%)"
     assert all(set(row) == set(COLUMNS) for row in rows(a_front()))

@@ -5,32 +5,16 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from policies_by_hand import policy_of_layers
 
 from stickslip.studies.trade import running
 from stickslip.studies.trade.cells import Outcome
 from stickslip.studies.trade.plan import CONDITIONED, Trade, TRAINED
 from stickslip.studies.trade.running import TradeFolder
-from stickslip.train.policies import Layer, Policy
-from stickslip.train.policies.description import FORMAT
-
-DESCRIPTION = {
-    "format": FORMAT,
-    "environment": "StickSlipCrawler-v0",
-    "env_kwargs": {},
-    "groups": {},
-    "observation_space": {"type": "Box", "shape": [5]},
-    "action_space": {"type": "Discrete", "n": 2},
-    "conditioned": False,
-    "network": {"sizes": [5, 2], "activation": "tanh", "outputs": "logits"},
-    "algorithm": {"name": "ppo"},
-    "versions": {},
-    "scores": {},
-}
 
 
 def policy(number):
-    layer = Layer(np.full((2, 5), number, np.float32), np.zeros(2, np.float32))
-    return Policy([layer], DESCRIPTION)
+    return policy_of_layers([(np.full((2, 5), number), np.zeros(2))])
 
 
 def number_of(policy):
