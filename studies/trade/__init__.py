@@ -1,5 +1,6 @@
 """Distance against memory: what no policy has to be learned for, the yardsticks of every one that is."""
 
+from .evolution import Evolved, evolved_feedback, Feedback
 from .hypervolume import hypervolume
 from .judgement import judge, Judgement
 from .open_loop import open_loop_front, OpenLoop
@@ -7,12 +8,15 @@ from .registers import best_registers, Registers
 from .speed_limit import Planner, speed_limit, SpeedLimit
 
 __all__ = [
+    "Evolved",
+    "Feedback",
     "Judgement",
     "OpenLoop",
     "Planner",
     "Registers",
     "SpeedLimit",
     "best_registers",
+    "evolved_feedback",
     "hypervolume",
     "judge",
     "open_loop_front",

@@ -20,6 +20,7 @@ WASHOUT = 200
 """Holds at the start that are not scored, as in `memory_capacity`."""
 
 Act = Callable[[int, NDArray[np.float32]], NDArray[np.int64]]
+Runs = Callable[[int], tuple[NDArray[np.int64], NDArray[np.int64]]]
 
 # Of the scores of so many holds the means are nearly independent of each other.
 _BLOCK = 100
@@ -115,3 +116,39 @@ def arguments_of(settings: Settings) -> dict[str, Any]:
         "delays": settings.delays,
         "virtual_nodes": settings.virtual_nodes,
     }
+
+
+def runs_of(
+    act: Act, count: int, settings: Settings, *, seeds: tuple[int, ...], holds: int, threads: int | None = None
+) -> Runs:
+    """What n policies that act in the environment command, and what the valves do, on each of m seeds.
+
+    Parameters
+    ----------
+    act : callable
+        As in `roll_out_many`, of n m environments at once: those of a policy side by side, one for each seed.
+    count : int
+        The n.
+    settings : Settings
+    seeds : tuple of m int
+    holds : int
+    threads : int, optional
+
+    Returns
+    -------
+    callable
+        Takes a seed and gives commands and valves, each (n, holds), as `judge` wants them.
+    """
+    environment = StickSlipCrawlerVectorEnv(
+        count * len(seeds), **arguments_of(settings), max_episode_steps=None, copy=False, threads=threads
+    )
+    commands, valves = np.empty((2, count, len(seeds), holds), np.int8)
+    observations, _ = environment.reset(seed=list(seeds) * count)
+    for k in range(holds):
+        command = act(k, observations)
+        observations, _, _, _, infos = environment.step(command)
+        commands[..., k] = command.reshape(count, -1)
+        valves[..., k] = infos["valve"].reshape(count, -1)
+    environment.close()
+    place = {seed: i for i, seed in enumerate(seeds)}
+    return lambda seed: (commands[:, place[seed]].astype(np.int64), valves[:, place[seed]].astype(np.int64))
