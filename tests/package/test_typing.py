@@ -80,6 +80,7 @@ print(json.dumps({
     "files": files,
     "steps": [read_hyperparameters(name, "StickSlipCrawler-v0")["n_timesteps"] for name in ALGORITHMS],
     "groups": Groups(duffing=2.0).to_dict(),
+    "opens": int(stickslip.pretrained("knee").predict([-1.0] + [0.0] * 7)),
 }))
 """
 
@@ -89,7 +90,7 @@ def files_of_the_package():
     for folder in FOLDERS:
         for at, _, names in os.walk(ROOT / folder):
             for file in (Path(at) / name for name in names if "__pycache__" not in at):
-                if file.suffix in (".py", ".yml", ".jinja") or file.name == "py.typed":
+                if file.suffix in (".py", ".yml", ".jinja", ".json", ".safetensors") or file.name == "py.typed":
                     yield str(file.relative_to(ROOT / folder if folder == "package" else ROOT))
 
 
@@ -187,6 +188,7 @@ def test_python_in_the_root_of_a_checkout_finds_the_whole_of_what_is_installed(i
     assert {file for file in found["files"] if "__pycache__" not in file} == expected
     assert len(found["steps"]) >= 5
     assert found["groups"]["duffing"] == 2.0
+    assert found["opens"] == stickslip.pretrained("knee").predict([-1.0] + [0.0] * 7)
 
 
 def test_a_new_file_is_seen_at_once_in_a_development_install(tmp_path):
