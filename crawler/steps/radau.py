@@ -81,8 +81,6 @@ _SHORTEST = 1e-25
 _SHARE = 0.05
 # The force and the rate are not asked for more sharply than to so much of the force's terms.
 _SHARPEST = 1e-13
-# Trials of a step after which it need not be as sharp.
-_PATIENCE = 5
 # An event is believed of a step that errs by at most this part of the grip or the slip at its start.
 _BLUR = 1e-3
 # An L-stable method would hold fast what an unstable body lets go: its step is so many e-folds at most.
@@ -172,7 +170,7 @@ def collocate(
     length = min(length, longest)
     power = 1.0 / (stages + 1.0)
     shortened = False
-    for trial in range(_TRIALS):
+    for _ in range(_TRIALS):
         # Two equal steps to the end rather than a long one and a stump.
         if 0.5 * remaining < length < remaining and pace.begin == pace.span:
             length = 0.5 * remaining
@@ -184,9 +182,7 @@ def collocate(
         allowed = tolerance
         if not coefficients.anchored:
             widest = _widest(body, coefficients, method, stages, length, series)
-            # Rounding may be in the way of what is asked for: each further trial asks for less.
-            asked = max(_SHARE * widest, _SHARPEST * size)
-            allowed = min(tolerance, asked * 4.0 ** max(0, trial - _PATIENCE))
+            allowed = min(tolerance, max(_SHARE * widest, _SHARPEST * size))
         error = _error(body, coefficients, valve, method, stages, length, size, series) / allowed
         factor = _SAFETY * math.exp(-power * math.log(max(error, 1e-12)))
         if not error <= 1.0:
