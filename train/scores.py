@@ -27,6 +27,8 @@ class Rollout(NamedTuple):
     """Of shape (steps,), 0 or 1: what the policy asked for."""
     valve: NDArray[np.int64]
     """Of shape (steps,), 0 or 1: what came of it."""
+    paid: NDArray[np.float64]
+    """Of shape (2, steps): speed and memory of each step, as the environment pays them, before their weights."""
     groups: Groups
     scene: Scene
     performance: Performance
@@ -61,6 +63,7 @@ def roll_outs(
     whole_number("steps", steps, 1000)
     batch = StickSlipCrawlerVectorEnv(len(seeds), **judging(env_kwargs), max_episode_steps=None, copy=False)
     command, valve = (np.empty((steps, len(seeds)), np.int64) for _ in range(2))
+    paid = np.empty((2, steps, len(seeds)))
     try:
         act = actor(policy, len(seeds))
         observation, _ = batch.reset(seed=list(seeds))
@@ -68,6 +71,7 @@ def roll_outs(
             command[k] = act(observation)
             observation, _, _, _, infos = batch.step(command[k])
             valve[k] = infos["valve"]
+            paid[:, k] = infos["speed"], infos["memory"]
         crawlers = list(zip(batch.get_attr("episode_groups"), batch.get_attr("episode_scene"), strict=True))
     finally:
         batch.close()
@@ -76,6 +80,7 @@ def roll_outs(
         Rollout(
             asked,
             came,
+            earned,
             groups,
             scene,
             performance(
@@ -90,7 +95,9 @@ def roll_outs(
                 tolerance=settings.tolerance,
             ),
         )
-        for asked, came, (groups, scene) in zip(command.T, valve.T, crawlers, strict=True)
+        for asked, came, earned, (groups, scene) in zip(
+            command.T, valve.T, paid.transpose(2, 0, 1), crawlers, strict=True
+        )
     ]
 
 

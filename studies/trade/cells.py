@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.threads import library_threads
-from ...envs import StickSlipCrawlerVectorEnv
+from ...envs.settings import Settings
 from ...tasks import dithered
 from ...train.policies import Policy, read_policy
+from ...train.scores import roll_outs
 from .attribution import feedback_cut
 from .conditions import conditions
 from .judgement import held_out_seeds, judge, Judgement
@@ -105,69 +106,31 @@ def _limit(job: Job) -> Outcome:
 
 
 def _judge(job: Job) -> Outcome:
-    policy = job.policy
+    policy, weight = job.policy, job.cell.weight
     assert policy is not None
+    assert weight is not None
     seeds = held_out_seeds(job.trade.judges)
-    acted = act(policy, job.cell.weight, seeds, job.trade.holds)
-    settings = conditions(**{name: value for name, value in policy.env_kwargs.items() if name != "memory_weight"})
-
-    def runs(seed: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        k = seeds.index(seed)
-        return acted.commands[k : k + 1], acted.valves[k : k + 1]
-
-    judgement = judge([job.cell.name], runs, settings, seeds=seeds)
-    told = {
-        **_numbers(judgement),
-        "episodes": {"speeds": acted.speeds.tolist(), "memories": acted.memories.tolist()},
+    acting = policy.at(weight) if policy.conditioned else policy
+    runs = roll_outs(acting, policy.env_kwargs, steps=job.trade.holds, seeds=seeds)
+    memories = [0.0 if run.performance.memory is None else run.performance.memory.corrected for run in runs]
+    paid = np.array([run.paid[:, :EPISODE].mean(axis=1) for run in runs])
+    told: dict[str, Any] = {
+        "speeds": [run.performance.speed for run in runs],
+        "memories": memories,
+        "episodes": {"speeds": paid[:, 0].tolist(), "memories": paid[:, 1].tolist()},
+        "seeds": list(seeds),
+        "holds": job.trade.holds,
     }
-    if settings.dither:
-        cut = judge([job.cell.name], feedback_cut(runs, settings.dither), settings, seeds=seeds)
-        told["body memories"] = cut.memories.tolist()
+    if job.cell.dither:
+        commands = {seed: run.command[np.newaxis] for seed, run in zip(seeds, runs, strict=True)}
+        cut = feedback_cut(lambda seed: (commands[seed], commands[seed]), job.cell.dither)
+        told["body memories"] = judge([job.cell.name], cut, conditions_of(policy), seeds=seeds).memories[0].tolist()
     return Outcome(told)
 
 
-class Acted(NamedTuple):
-    """What a policy did on m seeds."""
-
-    commands: NDArray[np.int64]
-    """(m, holds) of 0 and 1."""
-    valves: NDArray[np.int64]
-    """(m, holds) of 0 and 1."""
-    speeds: NDArray[np.float64]
-    """(m,) Means over the first `EPISODE` steps of what the environment told."""
-    memories: NDArray[np.float64]
-    """(m,)"""
-
-
-def act(policy: Policy, weight: float | None, seeds: tuple[int, ...], holds: int) -> Acted:
-    """Let a policy act, deterministically, through one long episode a seed.
-
-    Parameters
-    ----------
-    policy : Policy
-    weight : float or None
-        Of memory, for a policy that takes it.
-    seeds : tuple of m int
-    holds : int, at least `EPISODE`
-
-    Returns
-    -------
-    Acted
-    """
-    environment = StickSlipCrawlerVectorEnv(
-        len(seeds), **{**policy.env_kwargs, "memory_weight": 0.0}, max_episode_steps=None, copy=False, threads=1
-    )
-    commands, valves = np.empty((2, len(seeds), holds), np.int64)
-    told = np.zeros((2, len(seeds)))
-    observations, _ = environment.reset(seed=list(seeds))
-    for k in range(holds):
-        commands[:, k] = policy.predict(observations, weight if policy.conditioned else None)
-        observations, _, _, _, infos = environment.step(commands[:, k])
-        valves[:, k] = infos["valve"]
-        if k < EPISODE:
-            told += infos["speed"], infos["memory"]
-    environment.close()
-    return Acted(commands, valves, *(told / EPISODE))
+def conditions_of(policy: Policy) -> Settings:
+    """What a policy was trained in, but for what it was rewarded for."""
+    return conditions(**{name: value for name, value in policy.env_kwargs.items() if name != "memory_weight"})
 
 
 def _numbers(judgement: Judgement) -> dict[str, Any]:

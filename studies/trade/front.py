@@ -185,18 +185,17 @@ def _schedules(kind: str, numbers: Mapping[str, Any], only: str | None = None) -
 
 
 def _policy(kind: str, cell: Cell, result: Mapping[str, Any]) -> Point:
-    [speeds], [memories] = result["speeds"], result["memories"]
     paid = result["episodes"]
     return Point(
         kind,
         cell.name.removeprefix("judged-"),
         cell.weight,
         cell.seed,
-        np.array(speeds),
-        np.array(memories),
+        np.array(result["speeds"]),
+        np.array(result["memories"]),
         np.array(paid["speeds"]),
         np.array(paid["memories"]),
-        np.array(result["body memories"][0]) if "body memories" in result else None,
+        np.array(result["body memories"]) if "body memories" in result else None,
     )
 
 

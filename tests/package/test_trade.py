@@ -26,10 +26,10 @@ StickSlipCrawler-v0:
   n_epochs: 2
   policy_kwargs: dict(net_arch=[8])
 """
+WORDS = {"names": ["1"], "speeds": [[0.1, 0.2]], "memories": [[3.0, 3.1]]}
 NUMBERS = {
-    "speeds": [[0.1, 0.2]],
-    "memories": [[3.0, 3.1]],
-    "names": ["1"],
+    "speeds": [0.1, 0.2],
+    "memories": [3.0, 3.1],
     "episodes": {"speeds": [0.1, 0.1], "memories": [2.0, 2.0]},
 }
 
@@ -50,8 +50,8 @@ def asked(monkeypatch):
 
         def results(self):
             cells = [cell for stage in self.trade.cells() for cell in stage]
-            held = {**NUMBERS, "names": ["0", "1"], "speeds": [[0.0, 0.0]] * 2, "memories": [[3.0, 3.0]] * 2}
-            kinds = {OPEN_LOOP: {"front": NUMBERS, "held": held}, "speed limit": {"speeds": [0.8, 0.9]}}
+            held = {"names": ["0", "1"], "speeds": [[0.0, 0.0]] * 2, "memories": [[3.0, 3.0]] * 2}
+            kinds = {OPEN_LOOP: {"front": WORDS, "held": held}, "speed limit": {"speeds": [0.8, 0.9]}}
             return {cell: kinds.get(cell.kind, NUMBERS) for cell in cells}
 
     monkeypatch.setattr(running, "TradeFolder", Folder)

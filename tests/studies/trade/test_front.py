@@ -91,8 +91,8 @@ def results(trade):
         elif cell.judges is not None:
             speed = 0.8 - 0.5 * cell.weight
             found[cell] = {
-                "speeds": [[speed, speed + 0.01]],
-                "memories": [[2 + cell.weight, 2.1 + cell.weight]],
+                "speeds": [speed, speed + 0.01],
+                "memories": [2 + cell.weight, 2.1 + cell.weight],
                 "episodes": {"speeds": [speed, speed], "memories": [1.5, 1.5]},
             }
         else:
