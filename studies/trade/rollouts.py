@@ -34,7 +34,8 @@ class Rollouts(NamedTuple):
     speeds: NDArray[np.float64]
     """(n,) Mean speed of the foot, z_c / t_c."""
     memories: NDArray[np.float64]
-    """(n,) Mean of what the prequential readout earned; 0 without dither."""
+    """(n,) Mean of what the prequential readout earned, had the flips the variance that they have on average; 0 without
+    dither. By how much they differ is chance, and the larger part of it."""
     speed_errors: NDArray[np.float64]
     """(n,) Standard error of the speed, from means over blocks of holds."""
     memory_errors: NDArray[np.float64]
@@ -92,7 +93,7 @@ def _scores(
     )
     blocks = max(2, round(holds / _BLOCK))
     ends = WASHOUT + np.arange(blocks + 1) * holds // blocks
-    sums = np.zeros((blocks, 2, count))
+    sums = np.zeros((blocks, 3, count))
     observations, _ = environment.reset(seed=seed + part.start)
     for k in range(WASHOUT + holds):
         observations, _, _, _, infos = environment.step(act(k, observations))
@@ -100,8 +101,13 @@ def _scores(
             block = int(np.searchsorted(ends, k, side="right")) - 1
             sums[block, 0] += infos["speed"]
             sums[block, 1] += infos["memory"]
+            sums[block, 2] += infos["innovation"] ** 2
     environment.close()
-    return sums / np.diff(ends)[:, np.newaxis, np.newaxis]
+    speeds, memories, squares = (sums / np.diff(ends)[:, np.newaxis, np.newaxis]).transpose(1, 0, 2)
+    if settings.dither > 0.0:
+        variances = squares / settings.variance
+        memories = memories - memories.mean(axis=0) / variances.mean(axis=0) * (variances - 1.0)
+    return np.stack([speeds, memories], axis=1)
 
 
 def arguments_of(settings: Settings) -> dict[str, Any]:

@@ -15,7 +15,7 @@ SOME = ("open and shut in blocks of 10", "relay of the flip 5 ago")
 
 
 def test_no_adversary_earns_what_is_not_there():
-    found = audit({name: ADVERSARIES[name] for name in SOME}, seeds=3, holds=2500, threads=1)
+    found = audit({name: ADVERSARIES[name] for name in SOME}, seeds=3, holds=1500, threads=1)
     assert found.names == SOME
     assert found.earned.shape == found.capacities.shape == (2, 3)
     for name in found.names:
@@ -46,16 +46,11 @@ def test_a_relay_commands_the_flip_of_so_many_holds_ago():
     assert commands == [0] * 5 + flips[:-5].astype(int).tolist()
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-def test_the_greedy_look_ahead_at_what_a_hold_earns(sign):
-    name = "takes what the readout earns " + ("most by" if sign > 0 else "least by")
-    others = {name: ADVERSARIES[name], "opposite": lambda environment: opposite(ADVERSARIES[name](environment))}
-    found = audit(others, seeds=1, holds=200, threads=1)
-    assert sign * (found.earned[0, 0] - found.earned[1, 0]) > 0.2
-
-
-def opposite(act):
-    return lambda k, observations: 1 - act(k, observations)
+def test_the_greedy_look_ahead_at_what_a_hold_earns():
+    most, least = "takes what the readout earns most by", "takes what the readout earns least by"
+    greedy = {name: ADVERSARIES[name] for name in (most, least)}
+    found = audit({**greedy, "open": HONEST["held open"]}, seeds=1, holds=200, threads=1)
+    assert found.earned[0, 0] > found.earned[1, 0] + 0.2
 
 
 def test_without_flips_there_is_nothing_to_audit_or_to_attribute():

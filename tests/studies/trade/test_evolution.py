@@ -56,7 +56,7 @@ def test_the_lucky_of_short_runs_give_way_to_the_good_of_long_ones():
 
 def test_evolution_goes_beyond_what_it_begins_from():
     found = evolved_feedback(
-        bits=3, generations=2, children=60, begin=["11111111"], seeds=1, holds=1500, screening_holds=200, threads=1
+        bits=3, generations=1, children=60, begin=["11111111"], seeds=1, holds=1500, screening_holds=200, threads=1
     )
     speeds, memories = found.front.points.T
     assert found.front.names == tuple(map(str, range(len(found.feedback))))
