@@ -1,6 +1,7 @@
 """Training a policy with Stable-Baselines3."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import partial
 from io import BytesIO
@@ -17,7 +18,7 @@ from .algorithms import algorithm_class
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .hyperparameters import resolve
 from .policies.files import write_policy
-from .policies.from_model import has_policy, policy_of
+from .policies.from_model import policy_of
 from .run import Configuration, Run
 from .trust import read_pickle, write_pickle
 from .vec_env import StickSlipVecEnv
@@ -296,10 +297,10 @@ class _Keeper(BaseCallback):
         if reward > self._best:
             self._best = reward
             write_pickle(self._run.best, self.model.save)
-            if has_policy(self.model):
-                write_policy(
-                    policy_of(self.model, self._run.configuration, self._scores(evaluation)), self._run.best_policy
-                )
+            # A recurrent policy, or one of a network or of environments of the user's own, has no such form.
+            with suppress(ValueError):
+                best = policy_of(self.model, self._run.configuration, self._scores(evaluation))
+                write_policy(best, self._run.best_policy)
         self._rows.append(evaluation)
         write_evaluations(self._table, self._rows)
 

@@ -1,7 +1,9 @@
 """Policies in NumPy alone: they act as Stable-Baselines3's do, and say where they come from."""
 
+import pickle
 import subprocess
 import sys
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -115,6 +117,8 @@ def test_a_policy_says_where_it_comes_from_and_nothing_changes_it():
     assert description["algorithm"] == {"name": "ppo", "hyperparameters": {"n_steps": 8}, "seed": 3, "steps": 0}
     assert description["versions"]["torch"] == torch.__version__.split("+")[0] or torch.__version__
     assert description["network"] == {"sizes": [5, 4, 2], "activation": "tanh", "outputs": "logits"}
+    names = ["deformation", "velocity", "pressure", "foot_velocity", "valve 1 holds ago"]
+    assert description["observation_space"]["names"] == names
     assert description["observation_space"]["low"][:3] == ["-inf", "-inf", 0.0]
     assert repr(policy) == "Policy(StickSlipCrawler-v0, ppo, 5-4-2)"
     seen = observations(100, 5)
@@ -125,10 +129,13 @@ def test_a_policy_says_where_it_comes_from_and_nothing_changes_it():
         model.policy.action_net.bias.fill_(1e6)
     assert policy.predict(seen).tolist() == before
     assert policy.description == description
-    with pytest.raises(ValueError, match="read-only"):
-        policy.layers[0].weight[0] = 1.0
-    with pytest.raises(AttributeError):
-        policy.layers = ()
+    for each in (policy, pickle.loads(pickle.dumps(policy)), deepcopy(policy)):
+        assert each.description == description
+        assert each.predict(seen).tolist() == before
+        with pytest.raises(ValueError, match="read-only"):
+            each.layers[0].weight[0] = 1.0
+        with pytest.raises(AttributeError):
+            each.layers = ()
 
 
 class Weighed(StickSlipVecEnv):
@@ -143,9 +150,13 @@ class Weighed(StickSlipVecEnv):
 
 def test_a_conditioned_policy_takes_the_weight_beside_the_observation():
     model = model_of(PPO, batch=Weighed())
-    policy = policy_of(model, described())
+    policy = policy_of(model, described(), conditioned=True)
     assert policy.conditioned
     assert policy.description["observation_space"]["shape"] == [5]
+    with pytest.raises(ValueError, match="model must take the 5 numbers that the environment shows, it takes 6"):
+        policy_of(model, described())
+    with pytest.raises(ValueError, match="environment shows and the weight beside them, it takes 5"):
+        policy_of(model_of(PPO), described(), conditioned=True)
     seen, weights = observations(500, 5), np.random.default_rng(0).random(500)
     beside = np.column_stack([seen, weights]).astype(np.float32)
     np.testing.assert_array_equal(policy.predict(seen, weights), model.predict(beside, deterministic=True)[0])

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip
+from stickslip.commands import run as command
 from stickslip.train.policies import Policy, read_policy
 from stickslip.train.policies.pretrained import PRETRAINED
 from stickslip.train.schedules import performance
@@ -64,6 +65,25 @@ def test_the_knee_has_most_of_both():
     scores = stickslip.pretrained("knee").scores
     assert scores["speed"]["low"] > 0.72
     assert scores["memory"]["low"] > 3.0
+
+
+def test_a_shipped_policy_is_evaluated_by_its_name(capsys, monkeypatch, tmp_path):
+    monkeypatch.setattr("stickslip.train.report.save_figure", lambda *_: None)
+    monkeypatch.chdir(tmp_path)
+    options = ["--no-video", "--steps", "2000", "--seeds", "3", "--dither", "0.2"]
+    assert command(["evaluate", "knee", *options]) == 0
+    printed = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    policy = stickslip.pretrained("knee")
+    expected = score(policy, policy.env_kwargs | {"dither": 0.2}, steps=2000, seeds=HELD_OUT_SEEDS[:3])["speed"]
+    assert printed["speed"] == f"{expected['mean']:.4f} [{expected['low']:.4f}, {expected['high']:.4f}]"
+    assert printed["seeds"] == "2000000 to 2000002"
+    assert (tmp_path / "runs" / "knee" / "results.json").exists()
+    for wrong, message in (
+        (["--checkpoint", "c.zip"], "error: --checkpoint must be left out with the pretrained policy knee, got c.zip"),
+        (["--weight", "0.5"], "error: weight must not be set: Policy(StickSlipCrawler-v0, ppo, 8-32-32-2) was not"),
+    ):
+        assert command(["evaluate", "knee", *wrong]) == 1
+        assert capsys.readouterr().err.startswith(message)
 
 
 def test_what_is_not_shipped_is_refused():

@@ -12,7 +12,7 @@ import torch
 from sb3_contrib import RecurrentPPO
 from stable_baselines3 import PPO
 from stable_baselines3.common.save_util import load_from_pkl
-from stable_baselines3.common.vec_env import VecMonitor
+from stable_baselines3.common.vec_env import VecFrameStack, VecMonitor
 from threadpoolctl import threadpool_info
 
 from stickslip.crawler import SolverError
@@ -218,6 +218,13 @@ def test_an_interrupted_run_goes_on_from_its_last_checkpoint(tmp_path):
     assert done[0] > int(kept.name.split("_")[0])
     assert load_policy(run, run.final, trust=True).num_timesteps == 512
     assert (run.folder / "evaluations.csv").read_text(encoding="utf-8").splitlines()[: len(rows)] == rows
+
+
+def test_a_policy_of_environments_of_one_s_own_is_kept_as_a_zip_alone(tmp_path):
+    asked = configuration(8, n_envs=1, n_steps=8, batch_size=8)
+    run = train(asked, tmp_path / "run", vec_env=lambda count, **each: VecFrameStack(SHORT(count, **each), 2))
+    assert run.best.exists()
+    assert not list(run.folder.glob("best.[js]*"))
 
 
 def small(algorithm):

@@ -11,6 +11,7 @@ from ... import __version__
 from ...common.extras import optional_import
 from ...common.fingerprint import described
 from ...envs import StickSlipCrawlerEnv
+from ...envs.observation import OBSERVATION
 from ..run import Configuration
 from .description import described_space, FORMAT
 from .policy import Layer, Policy
@@ -24,29 +25,31 @@ with optional_import():
     from stable_baselines3.dqn.policies import DQNPolicy
     from torch import nn
 
-__all__ = ["has_policy", "policy_of"]
+__all__ = ["policy_of"]
 
 _ACTIVATIONS = {nn.Tanh: "tanh", nn.ReLU: "relu"}
 _PACKAGES = ("gymnasium", "numpy", "torch", "stable_baselines3", "sb3_contrib")
 
 
-def has_policy(model: BaseAlgorithm) -> bool:
-    """Whether `policy_of` can tell a model's policy: a recurrent one has a memory, which a `Policy` has not."""
-    return not isinstance(model.policy, RecurrentActorCriticPolicy)
-
-
-def policy_of(model: BaseAlgorithm, configuration: Configuration, scores: Mapping[str, Any] | None = None) -> Policy:
+def policy_of(
+    model: BaseAlgorithm,
+    configuration: Configuration,
+    scores: Mapping[str, Any] | None = None,
+    *,
+    conditioned: bool = False,
+) -> Policy:
     """The policy of a trained model.
 
     Parameters
     ----------
     model : BaseAlgorithm
-        Of PPO, A2C, DQN or QR-DQN with an ``MlpPolicy``. One that takes one number more than the environment shows is
-        taken for conditioned on the memory weight.
+        Of PPO, A2C, DQN or QR-DQN with an ``MlpPolicy``.
     configuration : Configuration
         What it was trained by.
     scores : mapping, optional
         What it came to, ready for JSON; `stickslip.train.scores.score` measures it.
+    conditioned : bool
+        Whether it was trained for every weight of memory in the reward, which it then sees as its last number.
 
     Returns
     -------
@@ -63,19 +66,17 @@ def policy_of(model: BaseAlgorithm, configuration: Configuration, scores: Mappin
     layers, activation, outputs = _network(model)
     sizes = [layers[0].weight.shape[1], *(len(layer.bias) for layer in layers)]
     (seen,) = environment.observation_space.shape or (0,)
-    if sizes[0] - seen not in (0, 1):
-        raise ValueError(
-            f"model must take the {seen} numbers that the environment shows, or the weight beside them, "
-            f"it takes {sizes[0]}"
-        )
+    if sizes[0] != seen + conditioned:
+        beside = " and the weight beside them" if conditioned else ""
+        raise ValueError(f"model must take the {seen} numbers that the environment shows{beside}, it takes {sizes[0]}")
     description = {
         "format": FORMAT,
         "environment": configuration.environment,
         "env_kwargs": configuration.env_kwargs,
         "groups": environment.settings.groups.to_dict(),
-        "observation_space": described_space(environment.observation_space),
+        "observation_space": described_space(environment.observation_space) | {"names": _names(seen)},
         "action_space": described_space(environment.action_space),
-        "conditioned": sizes[0] > seen,
+        "conditioned": conditioned,
         "network": {"sizes": sizes, "activation": activation, "outputs": outputs},
         "algorithm": {
             "name": configuration.algorithm,
@@ -93,10 +94,16 @@ def policy_of(model: BaseAlgorithm, configuration: Configuration, scores: Mappin
     return Policy(layers, description)
 
 
+def _names(count: int) -> list[str]:
+    """What each number of an observation is; of the valve states, the newest first, how many holds ago it began."""
+    body = [each.name for each in OBSERVATION]
+    return body + [f"valve {age} holds ago" for age in range(1, count - len(body) + 1)]
+
+
 def _network(model: BaseAlgorithm) -> tuple[list[Layer], str, str]:
     """Layers, activation, and what the outputs are."""
     policy = model.policy
-    if not has_policy(model):
+    if isinstance(policy, RecurrentActorCriticPolicy):
         raise ValueError(
             f"model must have a policy without memory, got {type(policy).__name__}: a recurrent one is kept as "
             "Stable-Baselines3's zip alone"

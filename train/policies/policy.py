@@ -77,6 +77,10 @@ class Policy:
         name, environment = self._description["algorithm"]["name"], self._description["environment"]
         return f"Policy({environment}, {name}, {sizes}{', takes weight' if self.conditioned else ''})"
 
+    def __reduce__(self) -> Any:
+        """A copy, in another process say, is checked and frozen as this one is."""
+        return Policy, (tuple(map(tuple, self.layers)), self.description)
+
     @property
     def description(self) -> dict[str, Any]:
         """All that stands in the JSON file but the digests, as a copy."""
