@@ -114,3 +114,14 @@ def test_a_bad_sample_is_refused_and_not_learned():
     with pytest.raises(ValueError, match=r"targets must be finite, got nan at index \(0,\)"):
         readout.learn([1.0, 2.0], [np.nan])
     assert not readout.weights.any()
+
+
+def test_the_first_sample_that_is_not_all_zero_sets_the_scale_and_is_learned():
+    """Ridge regression on it alone: the penalty weighs as much as a sample of its root mean square."""
+    readout = RecursiveLeastSquares(4, 1, ridge=0.5)
+    readout.learn([0.0, 0.0, 0.0, 0.0], [7.0])
+    assert (readout.scale, readout.weights.any()) == (None, False)
+    first = np.array([0.0, 3.0, 0.0, -4.0])
+    readout.learn(first, [7.0])
+    assert readout.scale == 2.5
+    np.testing.assert_allclose(readout.weights[0], 7.0 * first / (0.5 * 2.5**2 + 25.0), rtol=1e-12)
