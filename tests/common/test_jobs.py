@@ -99,6 +99,21 @@ def alive(process):
     return True
 
 
+def test_a_cluster_is_left_as_it_was_found():
+    """One in this process, by its client and by its address, to work that ends well and to work that does not."""
+    distributed = pytest.importorskip("distributed")
+    here = distributed.LocalCluster(1, threads_per_worker=2, processes=False, dashboard_address=None)
+    with here as cluster, distributed.Client(cluster, set_as_default=False) as client:
+        known = set(cluster.scheduler.clients)
+        for dask in (client, cluster.scheduler_address):
+            assert squares(as_done(square, [3, 4, 5, 6], dask=dask)) == SQUARES
+            with pytest.raises(ValueError, match="not two"):
+                list(as_done(refuse_two, range(4), dask=dask))
+            assert client.status == "running"
+            assert set(cluster.scheduler.clients) == known
+        assert not client.futures
+
+
 @pytest.fixture
 def cluster():
     distributed = pytest.importorskip("distributed")
