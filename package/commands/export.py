@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["export"]
 
-_OF_POLICIES = ("onnx", "npz")
+_OF_POLICIES = ("safetensors", "onnx", "npz")
 _OF_SCHEDULES = ("csv", "json")
 
 
@@ -27,7 +27,10 @@ def export(
     ],
     to: Annotated[
         str,
-        typer.Option(help="onnx or npz, of a policy; csv or json, of what a word or a policy does to a valve."),
+        typer.Option(
+            help="safetensors, measured on held-out seeds, onnx or npz, of a policy; csv or json, of what a word or a "
+            "policy does to a valve."
+        ),
     ],
     output: Annotated[Path | None, typer.Option(help="File to write; by default the source's name, here.")] = None,
     weight: WeightOption = None,
@@ -54,7 +57,7 @@ def export(
     whole_number("--seed", seed, 0, 2**32 - 1)
     word = bool(source) and not set(source) - {"0", "1"}
     if word and (weight is not None or to in _OF_POLICIES):
-        raise ValueError(f"{source} must be a policy for --weight and --to {' or '.join(_OF_POLICIES)}, it is a word")
+        raise ValueError(f"{source} must be a policy for --weight and --to {', '.join(_OF_POLICIES)}, it is a word")
     file = Path(f"{Path(source).name.removesuffix('.safetensors')}.{to}") if output is None else output
     if to in _OF_POLICIES:
         say(_write_policy(_policy(source, weight), to, file))
@@ -84,9 +87,14 @@ def _policy(source: str, weight: float | None) -> "Policy":
 
 
 def _write_policy(policy: "Policy", to: str, file: Path) -> str:
-    """Write a policy's own form, and say what was written."""
+    """Write a policy in a form of policies, and say what was written."""
+    from ..train.policies.files import DESCRIPTION, WEIGHTS
     from ..train.policies.portable import check_onnx, write_npz, write_onnx
+    from ..train.shipping import ship
 
+    if to == "safetensors":
+        shipped = ship(policy, file.name.removesuffix(WEIGHTS), file.parent)
+        return f"{shipped!r}: {file} and its {DESCRIPTION}, with what it scored"
     if to == "npz":
         write_npz(policy, file)
         return f"{policy!r}: {file}"

@@ -18,9 +18,10 @@ from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.train import StickSlipVecEnv
 from stickslip.train.evaluation import roll_out
 from stickslip.train.played import play_policy, play_word
-from stickslip.train.policies import Policy, policy_of, write_policy
+from stickslip.train.policies import Policy, policy_of, read_policy, write_policy
 from stickslip.train.policies.portable import check_onnx, onnx_actions, write_npz, write_onnx
 from stickslip.train.run import Configuration
+from stickslip.train.scores import score
 
 ARGUMENTS = {"dither": 0.2, "memory_weight": 0.3, "hold": 0.25}
 STIFF = {
@@ -163,6 +164,18 @@ def test_a_policy_is_played_on_the_body_that_is_asked_for(policy):
         play_policy(plain(model_of(PPO), groups={"duffing": 2.0}), holds=5)
 
 
+def test_the_command_measures_what_it_writes_as_a_policy(policy, tmp_path, capsys, monkeypatch):
+    measure = partial(score, steps=1600, seeds=(5, 6))
+    monkeypatch.setattr("stickslip.train.shipping.score", lambda *asked, **_: measure(*asked))
+    write_policy(policy, tmp_path / "mine")
+    options = ["--to", "safetensors", "--output", str(tmp_path / "deep" / "knee.safetensors")]
+    assert command(["export", str(tmp_path / "mine.json"), *options]) == 0
+    assert "with what it scored" in " ".join(capsys.readouterr().out.split())
+    shipped = read_policy(tmp_path / "deep" / "knee")
+    assert shipped.scores == measure(policy, policy.env_kwargs)
+    assert {**shipped.description, "scores": {}} == policy.description
+
+
 def test_the_command_writes_each_form(policy, weighed, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "run").mkdir()
@@ -206,9 +219,9 @@ def test_the_command_writes_each_form(policy, weighed, tmp_path, capsys, monkeyp
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ("11100 --to onnx", "error: 11100 must be a policy for --weight and --to onnx or npz, it is a word"),
+        ("11100 --to onnx", "error: 11100 must be a policy for --weight and --to safetensors, onnx, npz, it is"),
         ("11100 --to csv --weight 0.5", "error: 11100 must be a policy for --weight"),
-        ("11100 --to wav", "error: --to has no 'wav'; allowed are ['onnx', 'npz', 'csv', 'json']"),
+        ("11100 --to wav", "error: --to has no 'wav'; allowed are ['safetensors', 'onnx', 'npz', 'csv', 'json']"),
         ("nowhere --to npz", "error: policy must be nowhere/best.safetensors with its .json beside it"),
         ("11100 --to csv --holds 0", "error: --holds must be a whole number >= 1, got 0"),
         ("11100 --to csv --dither 0.7", "error: dither must be in [0, 0.5], got 0.7"),
