@@ -7,8 +7,8 @@ tried in a throw-away copy of the checkout, by the tests of its folder, those th
 ``--thorough`` by those of the folders above too where nothing noticed. Results go to ``runs/mutation/trials.jsonl`` as
 they come, and what was tried with the same module and tests is not tried again. ``--list`` only prints the faults;
 ``--changed main`` takes those of the lines changed since a revision. Without ``--folder`` or ``--only`` all folders are
-tried, ``--minutes`` bounds each. ``--page`` writes ``docs/mutation.md`` from what was tried: by folder the first
-faults of the seed, as many as have a result with the modules and tests of now.
+tried, ``--minutes`` bounds each. ``--page`` writes ``docs/mutation.md`` from what was tried: of the folder that is
+asked for, or of all, the first faults of the seed, as many as have a result with the modules and tests of now.
 
 Why not a tool that is there: mutmut 3 calls every function through a trampoline that chooses the variant at run time,
 which numba cannot compile, and copies the folders it is told without the links by which this package is put together.
@@ -17,6 +17,7 @@ missing copy or missing refusal. Neither knows that kernels have to be kept apar
 """
 
 import argparse
+import json
 import os
 import signal
 import sys
@@ -46,7 +47,7 @@ def main() -> None:
     asked = arguments()
     equivalents = Equivalents.read(EQUIVALENTS)
     if asked.page:
-        write_page(asked.seed, equivalents)
+        write_page(asked, equivalents)
         return
     lines = changed_lines(ROOT, asked.changed) if asked.changed else None
     for folder, files in places(asked):
@@ -92,23 +93,27 @@ def places(asked: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
             yield folder, files
 
 
-def write_page(seed: int, equivalents: Equivalents) -> None:
-    """Keep the results that stand, and write the page."""
+def write_page(asked: argparse.Namespace, equivalents: Equivalents) -> None:
+    """Keep the results that stand, those of other folders as they are kept, and write the page."""
     from measuring import keep, machine  # slow to import
 
-    folders: dict[str, list[dict[str, Any]]] = {}
-    for folder in FOLDERS:
-        folders[folder] = []
-        for _, _, result in Campaign(ROOT, TRIALS, equivalents, folder).known(
-            drawn(ROOT, files_of(ROOT, folder), seed)
-        ):
+    kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
+    revisions: dict[str, str] = kept.get("revisions", {})
+    folders: dict[str, list[dict[str, Any]]] = kept.get("folders", {})
+    for folder, files in places(asked):
+        revisions[folder], folders[folder] = revision(ROOT), []
+        for _, _, result in Campaign(ROOT, TRIALS, equivalents, folder).known(drawn(ROOT, files, asked.seed)):
             if result is None:
                 break
             folders[folder].append({name: value for name, value in result.items() if name not in ("key", "seconds")})
-    libraries = machine("pytest", "hypothesis")
-    command = f"python benchmarks/mutation.py --seed {seed} --minutes N"
-    results = {"machine": libraries, "command": command, "seed": seed, "revision": revision(ROOT), "folders": folders}
-    results["equivalent"] = list(equivalents.entries)
+    results = {
+        "machine": machine("pytest", "hypothesis"),
+        "command": f"python benchmarks/mutation.py --seed {asked.seed} --minutes N",
+        "seed": asked.seed,
+        "revisions": {folder: revisions[folder] for folder in FOLDERS if folder in revisions},
+        "folders": {folder: folders[folder] for folder in FOLDERS if folder in folders},
+        "equivalent": list(equivalents.entries),
+    }
     keep(RESULTS, results)
     save(PAGE, page(results))
     print(f"wrote {PAGE} from {sum(map(len, folders.values()))} faults")

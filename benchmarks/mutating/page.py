@@ -20,9 +20,10 @@ swapped, a copy, refusal or store left out. Lines are drawn alike, and a fault o
 are declared, with the reason, in `benchmarks/mutating/equivalent.toml`, and do not count. The aim is 90% of the others
 in every folder, and 97% in `crawler/`.
 
-`{command}` tried them on revision `{revision}`, and `python benchmarks/mutation.py --page` wrote this page, with seed
-{seed}; brackets are Wilson's 95% intervals. Without `--page` it tries more, and goes on where it stopped. After a
-change of a module, or of the tests of its folder, its faults are tried anew."""
+`{command}` tried them on the revisions that the table names, and
+`python benchmarks/mutation.py --page` wrote this page, with seed {seed}; brackets are Wilson's 95% intervals. Without
+`--page` it tries more, and goes on where it stopped. After a change of a module, or of the tests of its folder, its
+faults are tried anew."""
 
 
 def wilson(noticed: int, tried: int) -> tuple[float, float]:
@@ -47,9 +48,9 @@ def page(results: Mapping[str, Any]) -> str:
     faults = [fault for folder in folders.values() for fault in folder]
     survivors = [fault for fault in faults if fault["status"] == "survived"]
     parts = [
-        _WORDS.format(**{name: results[name] for name in ("command", "seed", "revision")}),
+        _WORDS.format(command=results["command"], seed=results["seed"]),
         "## By folder",
-        _by_folder(folders),
+        _by_folder(folders, results["revisions"]),
         "## By kind of fault",
         _by_kind(faults),
         "## What survived",
@@ -68,14 +69,12 @@ def save(path: Path, text: str) -> None:
     atomically(path, lambda unfinished: unfinished.write_text(text, encoding="utf-8"))
 
 
-def _by_folder(folders: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
-    rows = [
-        "| folder | faults | noticed | of these by a hang | survived | no test reaches | equivalent | score | aim |"
-    ]
-    rows.append("|---|---:|---:|---:|---:|---:|---:|---:|---:|")
+def _by_folder(folders: Mapping[str, Sequence[Mapping[str, Any]]], revisions: Mapping[str, str]) -> str:
+    columns = "faults | noticed | of these by a hang | survived | no test reaches | equivalent | score | aim | revision"
+    rows = [f"| folder | {columns} |", "|---|---:|---:|---:|---:|---:|---:|---:|---:|---|"]
     for name, faults in folders.items():
-        rows.append(f"| `{name}/` | {_counts(faults)} | {AIMS.get(name, AIM):.0%} |")
-    rows.append(f"| all | {_counts([fault for faults in folders.values() for fault in faults])} | |")
+        rows.append(f"| `{name}/` | {_counts(faults)} | {AIMS.get(name, AIM):.0%} | `{revisions[name]}` |")
+    rows.append(f"| all | {_counts([fault for faults in folders.values() for fault in faults])} | | |")
     return "\n".join(rows)
 
 

@@ -219,10 +219,10 @@ def test_the_page_says_what_was_noticed_and_what_was_not():
     faults.append({**fault, "status": "survived", "reached": False, "line": 4, "above": "tests/envs/test_b.py::test_c"})
     results = {"command": "python it", "seed": 5, "folders": {"tasks": faults, "train": []}}
     same = {"file": "a.py", "before": "b", "after": "c", "reason": "Because."}
-    results |= {"revision": "0123456789", "equivalent": [same]}
+    results |= {"revisions": {"tasks": "0123456789", "train": "abcdef"}, "equivalent": [same]}
     text = page(results)
-    assert "| `tasks/` | 5 | 2 | 1 | 2 | 1 | 1 | 50% [15%, 85%] | 90% |" in text
-    assert "| `train/` | 0 | 0 | 0 | 0 | 0 | 0 | - | 90% |" in text
+    assert "| `tasks/` | 5 | 2 | 1 | 2 | 1 | 1 | 50% [15%, 85%] | 90% | `0123456789` |" in text
+    assert "| `train/` | 0 | 0 | 0 | 0 | 0 | 0 | - | 90% | `abcdef` |" in text
     assert "| number | 4 | 50% [15%, 85%] |" in text
     assert "- `tasks/a.py:3` (number): `x = 1` became `x = 0`" in text
     assert (
@@ -230,7 +230,8 @@ def test_the_page_says_what_was_noticed_and_what_was_not():
         in text
     )
     assert "- `a.py`: `b` became `c`. Because." in text
-    assert "`python it` tried them on revision `0123456789`, and" in text
+    assert "`python it` tried them on" in text
+    assert "with seed 5" in text
 
 
 def test_the_page_is_that_of_its_results():
