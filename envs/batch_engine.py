@@ -80,8 +80,8 @@ class BatchEngine:
         settings = self._settings = kinds[0]
         self._alike = len(kinds) == 1 and not settings.randomize
         count = len(kind)
-        self._episode = Episode(settings.hold, settings.dither, settings.memory_weight, longest)
-        self.batch, self.results = batch_of(count, settings.samples, settings.valve_history)
+        self._episode = Episode(settings.hold, settings.dither, settings.memory_weight, longest, settings.aim)
+        self.batch, self.results = batch_of(count, settings.samples, settings.valve_history, settings.aim)
         self.generators: list[Any] = [None] * count
         self.seeds: list[int | None] = [None] * count
         self._sources = np.zeros((2, count), np.uint64)  # of the numbers drawn at a reset
@@ -166,6 +166,8 @@ class BatchEngine:
         self.results.counts[:, mask] = 0
         if self._readouts is not None:
             forget(self._readouts, mask)
+        if len(self.batch.recent):
+            self.batch.recent[mask] = 0.0
 
     def step(self, commands: NDArray[np.int64], idle: NDArray[np.bool_]) -> None:
         """Step all but the idle, and write down the results.
@@ -308,7 +310,7 @@ class BatchEngine:
             self.results.observations[i].copy(),
             self._told(i),
             self.readout_states(i),
-            () if self._readouts is None else packed(self._readouts, i),
+            () if self._readouts is None else (*packed(self._readouts, i), *self.batch.recent[i : i + 1].copy()),
             over,
             deepcopy(self.generators[i]) if generator else None,
             self.seeds[i] if generator else None,
@@ -339,7 +341,9 @@ class BatchEngine:
             self.results.counts[:, indices] = state.told[len(NUMBERS) :, np.newaxis]
             self._read()[:, indices] = state.read[:, np.newaxis]
             if self._readouts is not None:
-                unpack(self._readouts, indices, state.readout, state.steps)
+                unpack(self._readouts, indices, state.readout[:3], state.steps)
+                for recent in state.readout[3:]:
+                    self.batch.recent[indices] = recent
             if state.generator is not None:
                 for i in indices:
                     self.draw_from(i, deepcopy(state.generator), state.seed)
@@ -412,7 +416,7 @@ def _calibration_states(kinds: Sequence[Settings], names: NDArray[np.int64]) -> 
     engine = BatchEngine([replace(kind, randomize={}) for kind in kinds], np.arange(count), 1, 1)
     engine._names = names
     # With readouts, though blank, the kernel is the one that is compiled for the episodes.
-    engine._readouts = blank_readouts(count, settings.delays, settings.features + 1, 1.0)
+    engine._readouts = blank_readouts(count, settings.messages, settings.features + 1, 1.0)
     engine.begin(np.ones(count, np.bool_), [0] * count)
     engine.batch.generators[:] = 0  # which flip none
     valves = calibration_valves(settings)

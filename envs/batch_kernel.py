@@ -14,6 +14,7 @@ from ..crawler.batch.advance import advance_lanes, body_of, coefficients_at
 from ..crawler.model.state import Body, Coefficients, FOOT
 from ..crawler.steps.options import FINISHED, Method, METHODS, Options
 from ..reservoir.prequential_lanes import Readouts, score_lanes
+from ..reservoir.targets import aimed, LONGEST, Target
 from .infos import COUNTS, NUMBERS, write_counts, write_numbers
 from .observation import observe, seen_at_rest
 from .reward import reward, surprise
@@ -34,7 +35,8 @@ class Batch(NamedTuple):
     valves: NDArray[np.int64]  # (width,): in the last hold
     histories: NDArray[np.int64]  # (n,): valves of the last 64 holds, each a bit, the newest lowest
     starts: Array  # (width,): where the foot was before it
-    scores: Array  # (width,): innovations, then what they earned
+    scores: Array  # (width,): messages, then what they earned
+    recent: Array  # (n, 2, LONGEST): what messages other than innovations are made of; of none where they are these
     steps: NDArray[np.int64]  # (n,): of the episode
 
 
@@ -57,9 +59,10 @@ class Episode(NamedTuple):
     dither: float
     memory_weight: float
     longest: int  # steps of an episode
+    target: Target
 
 
-def batch_of(count: int, samples: int, valve_history: int) -> tuple[Batch, Results]:
+def batch_of(count: int, samples: int, valve_history: int, target: Target) -> tuple[Batch, Results]:
     """A batch of crawlers, and a place for its results, all zero."""
     width = -(-count // LANES) * LANES
     batch = Batch(
@@ -71,6 +74,7 @@ def batch_of(count: int, samples: int, valve_history: int) -> tuple[Batch, Resul
         np.zeros(count, np.int64),
         aligned_zeros(width),
         aligned_zeros(width),
+        np.zeros((count if target.kind else 0, 2, LONGEST)),
         np.zeros(count, np.int64),
     )
     results = Results(
@@ -150,7 +154,7 @@ def _step_batch(
     results : Results
         Where a status is not FINISHED the rest is of the step before, and does not count.
     """
-    hold, dither = episode.hold, episode.dither
+    hold, dither, target = episode.hold, episode.dither, episode.target
     if opens:
         for i in range(begin, end):
             batch.scores[i] = 0.0
@@ -163,7 +167,10 @@ def _step_batch(
                 valve = 1 - valve
             batch.valves[i] = valve
             batch.starts[i] = batch.bodies[FOOT, i]
-            batch.scores[i] = surprise(valve, commands[i], dither)
+            message = surprise(valve, commands[i], dither)
+            if len(batch.recent) > 0:
+                message = aimed(target.kind, target.order, target.mean, batch.recent[i], message)
+            batch.scores[i] = message
     options = Options(tolerance, order, max_steps, False, False, False, method)
     advance_lanes(
         batch.bodies,

@@ -34,4 +34,4 @@ def calibrated_memory(settings: Settings, states: NDArray[np.float64]) -> Preque
     -------
     PrequentialMemory
     """
-    return PrequentialMemory(states, settings.delays, variance=settings.variance)
+    return PrequentialMemory(states, settings.messages, target=settings.aim)

@@ -13,6 +13,7 @@ from ..crawler.model.columns import columns_of
 from ..crawler.model.groups import RANGES
 from ..crawler.model.variations import Range, variations, varied
 from ..crawler.simulation import TOLERANCES
+from ..reservoir.targets import itself, ORDERS, Target, target_of, TARGETS
 
 __all__ = [
     "CRAWLER_OPTIONS",
@@ -58,6 +59,8 @@ class Settings:
     dither: float
     memory_weight: float
     delays: int
+    target: str
+    target_order: int
     virtual_nodes: int
     valve_history: int
     randomize: Mapping[str, Range]  # in the order of the groups' fields, the slope last
@@ -73,6 +76,8 @@ class Settings:
         dither: float = 0.1,
         memory_weight: float = 0.2,
         delays: int = 20,
+        target: str = "memory",
+        target_order: int = 2,
         virtual_nodes: int = 4,
         valve_history: int = 1,
         randomize: Mapping[str, Sequence[float]] | None = None,
@@ -98,10 +103,14 @@ class Settings:
             number_within("dither", dither, "[0, 0.5]"),
             number_within("memory_weight", memory_weight, "[0, 1]"),
             whole_number("delays", delays, 1, _MOST),
+            target,
+            whole_number("target_order", target_order, *ORDERS),
             whole_number("virtual_nodes", virtual_nodes, 1, _MOST),
             whole_number("valve_history", valve_history, 1, _MOST_REMEMBERED),
             _ranges(randomize, groups),
         )
+        if target not in TARGETS:
+            raise ValueError(f"target must be one of {list(TARGETS)}, got {target!r}")
         if settings.memory_weight > 0.0 and settings.dither == 0.0:
             raise ValueError(
                 f"dither must be in (0, 0.5] where memory_weight = {settings.memory_weight!r} > 0, got {dither!r}: "
@@ -121,8 +130,18 @@ class Settings:
 
     @property
     def variance(self) -> float:
-        """Var e of the message."""
+        """Var e of an innovation."""
         return self.dither * (1.0 - self.dither)
+
+    @property
+    def aim(self) -> Target:
+        """What the readout is to tell of the flips; of no use where there are none."""
+        return target_of(self.target, self.target_order, self.dither) if self.dither > 0.0 else itself(0.0)
+
+    @property
+    def messages(self) -> int:
+        """Values of the target that are read out of a state."""
+        return 1 if self.aim.single else self.delays
 
     def choose(self, groups: GroupsLike | None = None, slope: float | None = None) -> Choice:
         """Check what the options of a reset say of the episode's crawler.

@@ -85,7 +85,9 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
       from 0, where $\hat e_{k-d}$ is read from the deformation, rate and pressure at `virtual_nodes` instants of the
       hold by a recursive least-squares readout that has not yet learned $e_{k-d}$. Its mean tends to the memory
       capacity. Every episode starts with a readout that knows nothing; the leverages $h_d$ make up for what it still
-      lacks (`docs/reward.md`). Without dither there is no message, and this term is 0.
+      lacks (`docs/reward.md`). Without dither there is no message, and this term is 0. With `target="parity"` the
+      readout is to tell products of `target_order` successive innovations instead, with `target="narma"` a nonlinear
+      series that they drive, of which the newest value alone is read out (`stickslip.reservoir.targets`).
 
     ## Starting State
 
@@ -118,6 +120,8 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
     | `dither`        | float          | 0.1     | probability of a flip, 0 to 1/2                             |
     | `memory_weight` | float          | 0.2     | share of memory in the reward, 0 to 1; above 0 needs dither |
     | `delays`        | int            | 20      | delays read out, 1 to 1000                                  |
+    | `target`        | str            | "memory" | what is read out: "memory", "parity" or "narma" of the flips |
+    | `target_order`  | int            | 2       | innovations in a product, or order of NARMA, 2 to 5         |
     | `virtual_nodes` | int            | 4       | instants of a hold at which the body is read, 1 to 1000     |
     | `valve_history` | int            | 1       | valve states in the observation, 1 to 64                    |
     | `randomize`     | mapping        | None    | group or "slope" -> (low, high), drawn at each reset        |
@@ -142,6 +146,8 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         dither: float = 0.1,
         memory_weight: float = 0.2,
         delays: int = 20,
+        target: Literal["memory", "parity", "narma"] = "memory",
+        target_order: int = 2,
         virtual_nodes: int = 4,
         valve_history: int = 1,
         randomize: Mapping[str, Sequence[float]] | None = None,
@@ -155,6 +161,8 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             dither=dither,
             memory_weight=memory_weight,
             delays=delays,
+            target=target,
+            target_order=target_order,
             virtual_nodes=virtual_nodes,
             valve_history=valve_history,
             randomize=randomize,

@@ -21,6 +21,7 @@ from ..crawler.refusals import solver_error
 from ..crawler.solvers import AUTO, choose
 from ..crawler.steps.options import FINISHED, Hold, MAX_STEPS, Method, METHODS, Options, Recording
 from ..reservoir.prequential import score
+from ..reservoir.targets import aimed
 from .calibration import calibration_valves
 from .infos import place_of, TOLD, write_told
 from .observation import observe, seen_at_rest, valves_seen
@@ -41,7 +42,7 @@ __all__ = [
 ]
 
 _BODY = len(Body._fields)
-_HOLD, _TOLERANCE, _ORDER, _MAX_STEPS, _DITHER, _WEIGHT, _VARIANCE = range(
+_HOLD, _TOLERANCE, _ORDER, _MAX_STEPS, _DITHER, _WEIGHT, _TARGET = range(
     len(Coefficients._fields), len(Coefficients._fields) + 7
 )
 REWARD, ELAPSED = len(TOLD), len(TOLD) + 1
@@ -60,7 +61,7 @@ class Stepper(NamedTuple):
     """How one crawler is stepped, and what stays the same from step to step."""
 
     step: Callable[..., int]
-    fixed: Array  # the fields of `Coefficients`, hold, tolerance, order, step budget, dither, memory weight and Var e
+    fixed: Array  # of `Coefficients`, hold, tolerance, order, step budget, dither, memory weight, of `Target`
     workspace: Array
     solver: str
 
@@ -83,7 +84,7 @@ def stepper_for(settings: Settings, groups: Groups, scene: Scene) -> Stepper:
     numbers = settings.hold, options.tolerance, options.order, options.max_steps
     return Stepper(
         _STEP[type(options.method)],
-        np.array([*coefficients, *numbers, settings.dither, settings.memory_weight, settings.variance]),
+        np.array([*coefficients, *numbers, settings.dither, settings.memory_weight, *settings.aim]),
         solver.workspace(coefficients, settings.hold, settings.samples),
         solver.name,
     )
@@ -190,8 +191,10 @@ def _step(
         return outcome.status
     memory = 0.0
     if len(weights) > 0:
-        message = surprise(valve, command, dither)
-        memory = score(weights, covariance, history, rows, seen, samples, message, fixed[_VARIANCE])
+        mean, variance, lead = fixed[_TARGET + 2], fixed[_TARGET + 3], int(fixed[_TARGET + 4])
+        kind, order = int(fixed[_TARGET]), int(fixed[_TARGET + 1])
+        message = aimed(kind, order, mean, history[2:], surprise(valve, command, dither))
+        memory = score(weights, covariance, history, rows, seen, lead, samples, message, variance)
     valves = int(valves_seen(observation)) << 1 | valve
     step = Transition(start, after, coefficients, command, valve, valves, hold, dither, fixed[_WEIGHT], memory)
     observe(observation, step)

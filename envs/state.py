@@ -40,8 +40,8 @@ class CrawlerState:
     read : (3 * nodes,) array
         What the readout has seen of the last hold; of one node without dither.
     readout : tuple of arrays
-        Of the memory: weights, the lower half of the covariance by rows, and past innovations, newest first; empty
-        where there is no message.
+        Of the memory: weights, the lower half of the covariance by rows, and past messages, newest first; then what
+        messages other than innovations are made of. Empty where there is no message.
     over : bool
         Whether the episode has come to its end and a batch is to begin the next.
     generator : numpy.random.Generator or None

@@ -56,7 +56,8 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     num_envs : int, >= 1
     groups : Groups, str, mapping or Actuator, or a sequence of num_envs of these
         As in `StickSlipCrawlerEnv`; a sequence gives each sub-environment its own.
-    scene, hold, tolerance, dither, memory_weight, delays, virtual_nodes, valve_history, randomize
+    scene, hold, tolerance, dither, memory_weight, delays, target, target_order, virtual_nodes, valve_history,
+    randomize
         As in `StickSlipCrawlerEnv`.
     max_episode_steps : int, optional
         Steps after which an episode is truncated; None or -1 for never. `make_vec` sets 1000.
@@ -94,6 +95,8 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         dither: float = 0.1,
         memory_weight: float = 0.2,
         delays: int = 20,
+        target: Literal["memory", "parity", "narma"] = "memory",
+        target_order: int = 2,
         virtual_nodes: int = 4,
         valve_history: int = 1,
         randomize: Mapping[str, Sequence[float]] | None = None,
@@ -112,6 +115,8 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             "dither": dither,
             "memory_weight": memory_weight,
             "delays": delays,
+            "target": target,
+            "target_order": target_order,
             "virtual_nodes": virtual_nodes,
             "valve_history": valve_history,
             "randomize": randomize,

@@ -14,6 +14,7 @@ from .metrics import nrmse, squared_correlation
 from .orthonormal import state_rank
 from .recursive_least_squares import RecursiveLeastSquares
 from .ridge import predict_held_out
+from .targets import target_series
 
 if TYPE_CHECKING:
     from .readouts import fit_readout, RecursiveLeastSquaresReadout, RidgeReadout
@@ -42,6 +43,7 @@ __all__ = [
     "ranks",
     "squared_correlation",
     "state_rank",
+    "target_series",
 ]
 
 _OF_SCIKIT_LEARN = ("RecursiveLeastSquaresReadout", "RidgeReadout", "fit_readout")

@@ -1,5 +1,7 @@
 r"""Memory capacity as a running score: predict the message of d steps ago, then learn it.
 
+The message is the innovation, or another target that is made of the innovations (`stickslip.reservoir.targets`).
+
 Step k earns, for every delay d,
 
 .. math:: \left(e^2 - \frac{(e - \hat e)^2}{1 + h_d}\right) / \mathrm{Var}\,e, \qquad e = e_{k-d},
@@ -30,6 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.validation import finite_array, number_within, whole_number
 from ..compiling.compilation import compiled
 from .recursive_least_squares import predict_then_learn
+from .targets import aimed, itself, LONGEST, Target
 
 __all__ = ["RIDGE", "PrequentialMemory"]
 
@@ -51,6 +54,8 @@ class PrequentialMemory:
         Delays 0 to delays - 1 are read out.
     variance : float, > 0
         Var e of the message.
+    target : Target, optional
+        What is to be told of the innovations, with its own variance; by default they themselves.
 
     Attributes
     ----------
@@ -58,6 +63,7 @@ class PrequentialMemory:
         A feature is (state - centre) * scale.
     delays : int
     variance : float
+    target : Target
     arrays : tuple of arrays
         Of the readout as it is: what `score` takes first.
 
@@ -67,10 +73,12 @@ class PrequentialMemory:
         If an argument has the wrong shape or is out of range; the message names it.
     """
 
-    def __init__(self, states: ArrayLike, delays: int, *, variance: float) -> None:
+    def __init__(self, states: ArrayLike, delays: int, *, variance: float = 1.0, target: Target | None = None) -> None:
         states = finite_array("states", states, 2)
         self.delays = whole_number("delays", delays, 1)
-        self.variance = number_within("variance", variance, "(0, inf)")
+        variance = number_within("variance", variance, "(0, inf)")
+        self.target = target or itself(variance)
+        self.variance = self.target.variance
         self.centre = states.mean(axis=0)
         spread = states.std(axis=0)
         self.scale = 1.0 / np.where(spread > 0.0, spread, 1.0)
@@ -82,20 +90,27 @@ class PrequentialMemory:
     def reset(self) -> None:
         """Forget all that was scored."""
         size = self._rows.shape[1]
-        history = np.zeros((2, self.delays))
+        # Whoever remembers the innovations themselves keeps nothing beside them.
+        history = np.zeros((4, max(self.delays, LONGEST)) if self.target.kind else (2, self.delays))
         self.arrays = np.zeros((self.delays, size)), np.eye(size) / RIDGE, history, self._rows
         self._seen = 0
 
     def packed(self) -> tuple[NDArray[np.float64], ...]:
-        """Copies of weights, of the lower half of the covariance by rows, and of past innovations, newest first."""
+        """Copies of weights, of the lower half of the covariance by rows, and of past messages, newest first.
+
+        Of what a target other than memory is made of too, as `aimed` has it.
+        """
         weights, covariance, history, _ = self.arrays
-        return weights.copy(), covariance[np.tril_indices(len(covariance))], history[0].copy()
+        kept = weights.copy(), covariance[np.tril_indices(len(covariance))], history[0, : self.delays].copy()
+        return (*kept, history[2:, :LONGEST].copy()) if self.target.kind else kept
 
     def unpack(self, packed: tuple[NDArray[np.float64], ...], seen: int) -> None:
         """Go on from what `packed` returned after `seen` samples."""
         self.reset()
         weights, covariance, history, _ = self.arrays
-        weights[:], half, history[0] = packed
+        weights[:], half, history[0, : self.delays], *recent = packed
+        if recent:
+            history[2:, :LONGEST] = recent[0]
         rows, columns = np.tril_indices(len(covariance))
         covariance[rows, columns] = covariance[columns, rows] = half
         self._seen = seen
@@ -115,7 +130,9 @@ class PrequentialMemory:
             Its mean over many samples tends to the memory capacity.
         """
         self._seen += 1
-        return score(*self.arrays, self._seen, state[np.newaxis], innovation, self.variance)
+        kind, order, mean, variance, lead, _ = self.target
+        message = aimed(kind, order, mean, self.arrays[2][2:], innovation)
+        return score(*self.arrays, self._seen, lead, state[np.newaxis], message, variance)
 
 
 @compiled
@@ -125,8 +142,9 @@ def score(
     history: NDArray[np.float64],
     rows: NDArray[np.float64],
     seen: int,
+    lead: int,
     states: NDArray[np.float64],
-    innovation: float,
+    message: float,
     variance: float,
 ) -> float:
     """Score one sample and learn it, in place.
@@ -137,17 +155,19 @@ def score(
     ----------
     weights, covariance : (delays, features + 1) and (features + 1, features + 1) arrays
         Of the readout; the last feature is the constant 1.
-    history : (2, delays) array
-        Innovations, newest first, and their predictions.
+    history : (>= 2, >= delays) array
+        Messages, newest first, and their predictions.
     rows : (4, features + 1) array
         The centre and scale of each feature, (state - centre) * scale, then two rows of scratch.
     seen : int
         Samples so far with this one: messages from before the first are neither scored nor learned.
+    lead : int
+        Of those, how many came before the first message.
     states : (readings, instants) array
         The features, row by row; rows beyond them do not count.
-    innovation : float
+    message : float
     variance : float
-        Var e.
+        Of the message.
     """
     features, gain = rows[_FEATURES], rows[_GAIN]
     size = len(features) - 1
@@ -158,10 +178,11 @@ def score(
             features[i] = (states[reading, instant] - rows[_CENTRE, i]) * rows[_SCALE, i]
     features[size] = 1.0
     past, prediction = history[0], history[1]
-    for d in range(len(past) - 1, 0, -1):
+    delays = len(weights)
+    for d in range(delays - 1, 0, -1):
         past[d] = past[d - 1]
-    past[0] = innovation
-    known = min(seen, len(past))
+    past[0] = message
+    known = max(min(seen - lead, delays), 0)
     predict_then_learn(weights[:known], covariance, features, past[:known], 1.0, prediction[:known], gain)
     uncertainty = 1.0
     for i in range(size + 1):
@@ -170,7 +191,7 @@ def score(
     earned = 0.0
     for d in range(known):
         error = past[d] - prediction[d]
-        share = (float(seen) - float(d)) / float(seen)
+        share = (float(seen - lead) - float(d)) / float(seen)
         earned += past[d] * past[d] - error * error / (1.0 + leverage * share)
     certainty = min(max(2.0 - leverage, 0.0), 1.0)
     return certainty * earned / variance

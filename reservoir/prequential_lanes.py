@@ -23,10 +23,11 @@ class Readouts(NamedTuple):
 
     weights: Array  # (blocks, delays, features + 1, LANES)
     covariance: Array  # (blocks, half of the square matrix by rows, LANES)
-    past: Array  # (blocks, delays, LANES): innovations, newest first
+    past: Array  # (blocks, delays, LANES): messages, newest first
     scaling: Array  # (blocks, 2, features, LANES): centre and scale of each feature
     seen: Array  # (blocks * LANES,): samples since the start
-    variance: float  # Var e
+    variance: float  # of the message
+    lead: float  # samples before the first message
 
 
 def readouts_of(memories: Sequence[PrequentialMemory], kind: NDArray[np.int64]) -> Readouts:
@@ -35,7 +36,7 @@ def readouts_of(memories: Sequence[PrequentialMemory], kind: NDArray[np.int64]) 
     Parameters
     ----------
     memories : sequence of PrequentialMemory
-        Of the same numbers of delays and features, and the same variance.
+        Of the same numbers of delays and features, and the same target.
     kind : (reservoirs,) array of int
         Which of them is whose.
 
@@ -45,7 +46,7 @@ def readouts_of(memories: Sequence[PrequentialMemory], kind: NDArray[np.int64]) 
         At their start.
     """
     first = memories[0]
-    readouts = blank_readouts(len(kind), first.delays, len(first.centre) + 1, first.variance)
+    readouts = blank_readouts(len(kind), first.delays, len(first.centre) + 1, first.variance, first.target.lead)
     for i, which in enumerate(kind.tolist()):
         block, lane = divmod(i, LANES)
         readouts.scaling[block, 0, :, lane] = memories[which].centre
@@ -54,7 +55,7 @@ def readouts_of(memories: Sequence[PrequentialMemory], kind: NDArray[np.int64]) 
     return readouts
 
 
-def blank_readouts(count: int, delays: int, features: int, variance: float) -> Readouts:
+def blank_readouts(count: int, delays: int, features: int, variance: float, lead: int = 0) -> Readouts:
     """Readouts that see nothing and learn nothing, of so many delays and features, the constant one among them."""
     blocks = -(-count // LANES)
     half = features * (features + 1) // 2
@@ -65,11 +66,12 @@ def blank_readouts(count: int, delays: int, features: int, variance: float) -> R
         aligned_zeros(blocks, 2, features - 1, LANES),
         aligned_zeros(blocks * LANES),
         variance,
+        float(lead),
     )
 
 
 def packed(readouts: Readouts, i: int) -> tuple[Array, ...]:
-    """Copies of what `PrequentialMemory.packed` returns, of readout `i`."""
+    """Copies of weights, covariance and messages as `PrequentialMemory.packed` returns them, of readout `i`."""
     block, lane = divmod(i, LANES)
     return tuple(each[block, ..., lane].copy() for each in (readouts.weights, readouts.covariance, readouts.past))
 
@@ -103,7 +105,7 @@ def forget(readouts: Readouts, mask: NDArray[np.bool_]) -> None:
 
 @compiled
 def score_lanes(
-    readouts: Readouts, block: int, states: Array, first: int, stride: int, innovations: Array, scratch: Array
+    readouts: Readouts, block: int, states: Array, first: int, stride: int, messages: Array, scratch: Array
 ) -> None:
     """Score one sample of each reservoir of a block and learn it, in place.
 
@@ -114,8 +116,8 @@ def score_lanes(
     states : array of float64, C-contiguous
         Feature f of the block's lanes lies at ``first + f * stride`` and behind.
     first, stride : int
-    innovations : (blocks * LANES,) array
-        Overwritten with what each sample earned: innovations in, scores out.
+    messages : (blocks * LANES,) array
+        Overwritten with what each sample earned: messages in, scores out.
     scratch : (2, features + 1, LANES) array
     """
     delays, size = readouts.weights.shape[1], readouts.weights.shape[2]
@@ -146,10 +148,11 @@ def score_lanes(
 
     for d in range(delays - 1, 0, -1):
         store(readouts.past, past + d * LANES, load(readouts.past, past + (d - 1) * LANES))
-    store(readouts.past, past, load(innovations, block * LANES))
+    store(readouts.past, past, load(messages, block * LANES))
     seen = load(readouts.seen, block * LANES) + broadcast(1.0)
     store(readouts.seen, block * LANES, seen)
 
+    heard = seen - broadcast(readouts.lead)
     earned = broadcast(0.0)
     for d in range(delays):
         row = weights + d * gains
@@ -157,15 +160,15 @@ def score_lanes(
         for f in range(size):
             prediction = prediction + load(readouts.weights, row + f * LANES) * load(scratch, f * LANES)
         target = load(readouts.past, past + d * LANES)
-        known = clipped(seen - broadcast(float(d)))  # 1, or 0 for a message from before the first
+        known = clipped(heard - broadcast(float(d)))  # 1, or 0 for a message from before the first
         error = target - prediction
-        share = clipped((seen - broadcast(float(d))) / seen)
+        share = clipped((heard - broadcast(float(d))) / seen)
         earned = earned + known * (target * target - error * error / (broadcast(1.0) + leverage * share))
         step = known * (error * shrink)
         for f in range(size):
             learned = load(readouts.weights, row + f * LANES) + step * load(scratch, gains + f * LANES)
             store(readouts.weights, row + f * LANES, learned)
-    store(innovations, block * LANES, certainty * earned / broadcast(readouts.variance))
+    store(messages, block * LANES, certainty * earned / broadcast(readouts.variance))
 
     k = covariance
     for i in range(size):

@@ -86,6 +86,8 @@ def measure(
         delays=settings.delays,
         virtual_nodes=settings.virtual_nodes,
         tolerance=settings.tolerance,
+        target=settings.target,
+        target_order=settings.target_order,
     )
     return result, command, valve
 

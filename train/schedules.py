@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..common.validation import number_within, whole_number
 from ..crawler import GroupsLike, Scene, simulate
-from ..reservoir import memory_capacity, MemoryCapacity
+from ..reservoir import memory_capacity, MemoryCapacity, target_series
+from ..reservoir.targets import target_of
 from ..tasks import body_states, dithered, innovation
 
 __all__ = ["Performance", "necklaces", "pareto_front", "performance", "performances", "repeat"]
@@ -35,6 +36,8 @@ def performances(
     delays: int = 20,
     virtual_nodes: int = 4,
     tolerance: float = 1e-6,
+    target: str = "memory",
+    target_order: int = 2,
 ) -> list[Performance]:
     """Speed and memory of crawlers whose valves were commanded, and flipped, like this: all of them move as one batch.
 
@@ -46,8 +49,8 @@ def performances(
         Probability with which they differ.
     groups, hold, scene, tolerance
         As in `simulate`, the same for all.
-    delays, virtual_nodes : int, >= 1
-        As in the environment.
+    delays, virtual_nodes, target, target_order
+        As in the environment: the memory is the capacity for the target.
 
     Returns
     -------
@@ -58,8 +61,10 @@ def performances(
     speeds = (motions.foot[:, -1] / (valves.shape[1] * hold)).tolist()
     if number_within("dither", dither, "[0, 0.5]") == 0.0:
         return [Performance(speed, None) for speed in speeds]
+    aim = target, target_order, dither
+    read_out = 1 if target_of(*aim).single else delays
     return [
-        Performance(speed, memory_capacity(states, innovation(valve, command, dither), delays))
+        Performance(speed, memory_capacity(states, target_series(innovation(valve, command, dither), *aim), read_out))
         for speed, states, valve, command in zip(speeds, body_states(motions), valves, commands, strict=True)
     ]
 

@@ -93,6 +93,8 @@ def roll_outs(
                 delays=settings.delays,
                 virtual_nodes=settings.virtual_nodes,
                 tolerance=settings.tolerance,
+                target=settings.target,
+                target_order=settings.target_order,
             ),
         )
         for asked, came, earned, (groups, scene) in zip(

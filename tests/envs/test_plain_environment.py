@@ -8,9 +8,11 @@ from plain_environment import calibration_valves, crawled, episode
 from stickslip import Actuator, Groups, simulate
 from stickslip.envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
 from stickslip.envs.calibration import calibration_valves as valves_of
+from stickslip.reservoir.targets import target_of
 
 DEFAULTS = {"hold": 0.5, "tolerance": 1e-6, "dither": 0.1, "memory_weight": 0.2, "delays": 20, "virtual_nodes": 4}
-DEFAULTS |= {"valve_history": 1}
+DEFAULTS |= {"valve_history": 1, "target": "memory", "target_order": 2}
+TARGET = "target", "target_order"
 GAIT = np.resize([1, 1, 1, 0, 0], 30)
 SEED = 7
 
@@ -51,8 +53,10 @@ def expected_of(commands, seed, arguments, options=None, calibrated=None):
         slips[:] = [told.slips]
         return motion
 
-    weights = {name: given[name] for name in ("hold", "dither", "memory_weight", "delays", "valve_history")}
-    return episode(commands, flips, move, calibration, **weights), slips[0], groups, world["slope"]
+    weights = {name: given[name] for name in ("hold", "dither", "memory_weight", "delays", "valve_history", *TARGET)}
+    aim = target_of(given["target"], given["target_order"], dither) if dither else None
+    moments = aim and (aim.mean, aim.variance)
+    return episode(commands, flips, move, calibration, **weights, moments=moments), slips[0], groups, world["slope"]
 
 
 def assert_is(expected, slips, groups, slope, observations, rewards, infos):
@@ -131,6 +135,10 @@ ARGUMENTS = [
     {"memory_weight": 1.0},
     {"delays": 3},
     {"delays": 50},
+    {"target": "parity", "dither": 0.4},
+    {"target": "parity", "target_order": 3, "dither": 0.3},
+    {"target": "narma", "dither": 0.3},
+    {"target": "narma", "target_order": 5, "dither": 0.3, "memory_weight": 1.0},
     {"virtual_nodes": 1},
     {"virtual_nodes": 6},
     {"valve_history": 4},

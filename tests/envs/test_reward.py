@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from stickslip import Groups, memory_capacity, simulate
+from stickslip.reservoir import target_series
 
 NAME = "StickSlipCrawler-v0"
 WORDS = ["0", "1", "10", "110", "100", "1100", "11100", "111000", "11110000", "111111000000", "1110"]
@@ -152,6 +153,29 @@ def test_a_body_that_options_settle_has_a_readout_of_its_own():
     envs.reset(seed=0, options={"groups": "high-damping"}), own.reset(seed=0)
     memory = [[each.step(np.ones(50, int))[4]["memory"] for _ in range(1000)] for each in (envs, own)]
     assert np.mean(memory[0]) == pytest.approx(np.mean(memory[1]), rel=0.02)
+
+
+AIMS = [{"target": "parity", "delays": 6}, {"target": "narma", "target_order": 3}]
+
+
+@pytest.mark.parametrize("aim", AIMS, ids=str)
+def test_what_another_target_earns_is_its_offline_capacity_of_the_same_run(aim):
+    steps, dither = 2500, 0.3
+    envs = gym.make_vec(NAME, 9, dither=dither, max_episode_steps=None, **aim).unwrapped
+    actions = np.repeat([schedule(word, steps) for word in ("1", "11100", "random")], 3, axis=0).T
+    envs.reset(seed=0)
+    earned, innovations, states = np.empty((steps, 9)), np.empty((steps, 9)), np.empty((steps, 9, 12))
+    for k, action in enumerate(actions):
+        info = envs.step(action)[4]
+        earned[k], innovations[k], states[k] = info["memory"], info["innovation"], envs.readout_states()
+    settings = envs.settings
+    capacity = []
+    for i in range(9):
+        message = target_series(innovations[:, i], settings.target, settings.target_order, dither)
+        capacity.append(memory_capacity(states[:, i], message, settings.messages).corrected)
+    assert abs(earned.mean() - np.mean(capacity)) < 0.05
+    assert np.corrcoef(earned.mean(axis=0), capacity)[0, 1] > 0.9
+    assert np.ptp(capacity) > 0.1
 
 
 def test_a_thousand_steps_already_rank_the_schedules():

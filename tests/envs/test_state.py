@@ -18,6 +18,8 @@ ARGUMENTS = [
     {"randomize": {"duffing": [0.0, 2.0], "slope": [-0.1, 0.1]}, "delays": 3, "dither": 0.5},
     {"groups": "linear", "hold": 1.0, "virtual_nodes": 2},
     {"groups": {"damping_ratio": 200.0}, "scene": {"ratchet": False}, "valve_history": 64},
+    {"target": "parity", "target_order": 4, "delays": 2},
+    {"target": "narma", "target_order": 5},
 ]
 
 
@@ -187,6 +189,7 @@ def test_a_picture_is_that_of_the_state():
     [
         ({"hold": 1.0}, "state must come from an environment of hold = 0.5, got one of 1.0"),
         ({"delays": 3}, "state must come from an environment of delays = 20, got one of 3"),
+        ({"target": "narma"}, "state must come from an environment of target = 'memory', got one of 'narma'"),
         ({"valve_history": 3}, "state must come from an environment of valve_history = 1, got one of 3"),
         ({"groups": "linear"}, "state must come from an environment of groups = Groups("),
         ({"scene": {"ratchet": False}}, "state must come from an environment of scene = Scene("),

@@ -29,6 +29,8 @@ ARGUMENTS = [
     {"groups": "linear", "hold": 1.0, "virtual_nodes": 2, "valve_history": 5},
     {"groups": "linear", "scene": {"anchored": True}, **SPEED_ONLY},
     {"groups": "high-damping", "scene": {"ratchet": False}, "tolerance": 1e-9, "dither": 0.5, "memory_weight": 1.0},
+    {"target": "parity", "target_order": 3, "dither": 0.3, "delays": 2},
+    {"target": "narma", "target_order": 4, "dither": 0.2},
     {"randomize": {"damping_ratio": [0.05, 300.0]}, "virtual_nodes": 1},  # by more than one solver
     {"randomize": {"radial_coupling": [0.0, 0.0]}, "groups": {"duffing": 0.0}},  # in closed form, drawn
 ]

@@ -49,6 +49,9 @@ def episode(
     memory_weight: float,
     delays: int,
     valve_history: int = 1,
+    target: str = "memory",
+    target_order: int = 2,
+    moments: tuple[float, float] | None = None,
 ) -> Episode:
     """An episode from rest.
 
@@ -59,8 +62,10 @@ def episode(
         From the (steps,) valve states to the (steps, nodes, 5) states z, v, p, x, w of the body.
     calibration : (holds, nodes, 5) array or None
         What `move` says of the calibration's valves; None without dither.
-    hold, dither, memory_weight, delays, valve_history
+    hold, dither, memory_weight, delays, valve_history, target, target_order
         Arguments of the environment.
+    moments : tuple of two floats
+        Of the NARMA series, where that is the target: mean and variance.
     """
     valve = np.where(flips, 1 - commands, commands)
     motion = move(valve)
@@ -69,10 +74,38 @@ def episode(
     innovation = valve - ((1 - dither) * commands + dither * (1 - commands))
     memory = np.zeros(len(commands))
     if calibration is not None:
-        memory = memory_scores(_features(motion), innovation, _features(calibration), delays, dither * (1 - dither))
+        message, variance, lead = message_of(innovation, target, target_order, dither, moments)
+        targets = 1 if target == "narma" else delays
+        memory = memory_scores(_features(motion), message, _features(calibration), targets, variance, lead)
     rewards = (1 - memory_weight) * speed + memory_weight * memory
     seen = [np.concatenate([np.zeros(age), valve])[: len(valve)] for age in range(valve_history)]
     return Episode(np.column_stack([z, v, p, w, *seen]), rewards, speed, memory, x, innovation, valve)
+
+
+def message_of(
+    innovations: NDArray[np.float64], target: str, order: int, dither: float, moments: tuple[float, float] | None
+) -> tuple[NDArray[np.float64], float, int]:
+    """What is to be told of the innovations, its variance, and how many steps pass before its first value.
+
+    Mean and variance of a NARMA series have no closed form: those are given.
+    """
+    variance = dither * (1 - dither)
+    if target == "memory":
+        return innovations, variance, 0
+    if target == "parity":
+        past = [np.concatenate([np.zeros(age), innovations])[: len(innovations)] for age in range(order)]
+        return np.prod(past, axis=0), variance**order, order - 1
+    mean, spread = moments
+    return narma(innovations, order, mean) - mean, spread, 0
+
+
+def narma(innovations: NDArray[np.float64], order: int, start: float) -> NDArray[np.float64]:
+    """The series of that order, as if it had been at `start` for ever and innovations 0."""
+    s = [0.25] * (order - 1) + ((1 + innovations) / 4).tolist()
+    y = [start] * order
+    for k in range(len(innovations)):
+        y.append(0.3 * y[-1] + 0.05 * y[-1] * sum(y[-order:]) + 1.5 * s[k] * s[k + order - 1] + 0.1)
+    return np.array(y[order:])
 
 
 def calibration_valves(hold: float) -> NDArray[np.int64]:
@@ -91,12 +124,14 @@ def memory_scores(
     calibration: NDArray[np.float64],
     delays: int,
     variance: float,
+    lead: int = 0,
 ) -> NDArray[np.float64]:
     """What each step earns: sum over d of (e^2 - (e - ehat)^2 / (1 + h_d)) / Var e, by the normal equations."""
     spread = calibration.std(axis=0)
     x = (states - calibration.mean(axis=0)) / np.where(spread > 0, spread, 1.0)
     x = np.column_stack([x, np.ones(len(x))])
     messages = np.zeros((len(x), delays))  # of step k and delay d: e_{k-d}, zero from before the first
+    innovations = np.where(np.arange(len(x)) < lead, 0.0, innovations)
     for d in range(min(delays, len(x))):
         messages[d:, d] = innovations[: len(x) - d]
     scores = np.zeros(len(x))
@@ -104,10 +139,10 @@ def memory_scores(
         past, now = x[:k], x[k]
         normal = _RIDGE * np.eye(x.shape[1]) + past.T @ past
         leverage = now @ np.linalg.solve(normal, now)
-        d = np.arange(min(k + 1, delays))
+        d = np.arange(max(min(k + 1 - lead, delays), 0))
         message = messages[k, d]
         error = message - now @ np.linalg.solve(normal, past.T @ messages[:k, d])
-        earned = message**2 - error**2 / (1 + leverage * (k + 1 - d) / (k + 1))
+        earned = message**2 - error**2 / (1 + leverage * (k + 1 - lead - d) / (k + 1))
         scores[k] = min(max(2 - leverage, 0.0), 1.0) * earned.sum() / variance
     return scores
 

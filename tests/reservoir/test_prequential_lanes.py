@@ -7,8 +7,10 @@ from stickslip.compiling.compilation import compiled
 from stickslip.compiling.vectors import aligned_zeros, LANES
 from stickslip.reservoir.prequential import PrequentialMemory
 from stickslip.reservoir.prequential_lanes import blank_readouts, forget, packed, readouts_of, score_lanes, unpack
+from stickslip.reservoir.targets import target_of
 
 FEATURES, DELAYS, COUNT = 3, 5, 11
+NOISE = target_of("memory", 2, 0.2)
 
 
 @compiled
@@ -20,12 +22,13 @@ def score_all(readouts, states, innovations, scratch):
 class Pair:
     """Reservoirs one by one, and in lanes."""
 
-    def __init__(self, seed=0):
+    def __init__(self, seed=0, lead=0):
         self.rng = np.random.default_rng(seed)
         calibrations = [self.rng.normal(size=(50, FEATURES)) * 3 + i for i in range(3)]
         self.kind = self.rng.integers(0, 3, COUNT)
-        memories = [PrequentialMemory(each, DELAYS, variance=0.2) for each in calibrations]
-        self.single = [PrequentialMemory(calibrations[which], DELAYS, variance=0.2) for which in self.kind]
+        target = NOISE._replace(lead=lead)
+        memories = [PrequentialMemory(each, DELAYS, target=target) for each in calibrations]
+        self.single = [PrequentialMemory(calibrations[which], DELAYS, target=target) for which in self.kind]
         self.readouts = readouts_of(memories, self.kind)
 
     def step(self):
@@ -41,11 +44,14 @@ class Pair:
         ]
 
 
-def test_lanes_score_to_the_bit_what_each_does_alone():
-    pair = Pair()
-    for _ in range(30):
+@pytest.mark.parametrize("lead", [0, 1, 4])
+def test_lanes_score_to_the_bit_what_each_does_alone(lead):
+    pair = Pair(lead=lead)
+    for k in range(30):
         lanes, single = pair.step()
         assert lanes == single
+        assert k >= lead or not any(lanes)
+    assert all(lanes)
 
 
 def test_those_in_the_mask_start_again_and_the_others_go_on():
@@ -93,7 +99,7 @@ def test_blank_readouts_see_nothing_and_learn_nothing():
     assert readouts.past.shape == (2, DELAYS, LANES)
     assert readouts.scaling.shape == (2, 2, FEATURES, LANES)
     assert readouts.seen.shape == (16,)
-    assert readouts.variance == 0.25
+    assert (readouts.variance, readouts.lead) == (0.25, 0.0)
     assert blank_readouts(8, DELAYS, FEATURES + 1, 1.0).seen.shape == (8,)
     earned = np.full(16, 0.5)
     score_all(readouts, np.ones((2, FEATURES + 1, LANES)), earned, aligned_zeros(2, FEATURES + 1, LANES))

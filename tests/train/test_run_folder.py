@@ -46,6 +46,8 @@ def test_what_is_not_said_is_as_documented():
         "dither",
         "memory_weight",
         "delays",
+        "target",
+        "target_order",
         "virtual_nodes",
         "valve_history",
         "randomize",

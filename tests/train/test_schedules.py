@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip.crawler import Groups, Scene, simulate
-from stickslip.reservoir import memory_capacity
+from stickslip.reservoir import memory_capacity, target_series
 from stickslip.tasks import body_states, innovation
 from stickslip.train.schedules import necklaces, pareto_front, performance, performances, repeat
 
@@ -161,3 +161,15 @@ def test_many_schedules_come_to_what_each_comes_to_alone():
         alone = memory_capacity(body_states(motion), innovation(valve, command, 0.1), 5)
         np.testing.assert_array_equal(one.memory.profile, alone.profile)
     assert [one.memory for one in performances(commands, commands, **settings | {"dither": 0.0})] == [None] * 3
+
+
+@pytest.mark.parametrize(("target", "order", "read_out"), [("parity", 2, 5), ("parity", 3, 5), ("narma", 4, 1)])
+def test_the_memory_is_the_capacity_for_the_target(target, order, read_out):
+    command, valve = repeat("11100", 1500, dither=0.3, seed=3)
+    settings = {"dither": 0.3, "groups": Groups(), "hold": 0.5, "scene": Scene(), "delays": 5}
+    found = performance(command, valve, **settings, target=target, target_order=order)
+    states = body_states(simulate(Groups(), valve, 0.5, samples_per_hold=4, tolerance=1e-6))
+    message = target_series(innovation(valve, command, 0.3), target, order, 0.3)
+    alone = memory_capacity(states, message, read_out)
+    np.testing.assert_array_equal(found.memory.profile, alone.profile)
+    assert found.memory.profile.shape == (read_out,)
