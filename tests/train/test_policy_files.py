@@ -218,6 +218,17 @@ def test_weights_of_no_or_another_form_are_refused(tmp_path):
         assert "must be of safetensors' form" in refusal(tmp_path / "p")
 
 
+@pytest.mark.parametrize("metadata", ["null", "{}", '{"description_sha256":"0"}'])
+def test_weights_that_do_not_say_what_describes_them_are_refused(tmp_path, metadata):
+    header = json.dumps({"__metadata__": 0, "0.bias": {"dtype": "F32", "shape": [3], "data_offsets": [0, 12]}})
+    header = header.replace("0", metadata, 1)
+    content = len(header).to_bytes(8, "little") + header.encode() + bytes(12)
+    weights_of(tmp_path / "p").write_bytes(content)
+    told = {**described(), "sha256": sha256(content).hexdigest()}
+    description_of(tmp_path / "p").write_text(json.dumps(told), encoding="utf-8")
+    assert "it was changed" in refusal(tmp_path / "p")
+
+
 @pytest.mark.parametrize(
     "text", ["", "[]", "3", '{"a": NaN}', "\xff", "[" * 100_000, '{"format": "stickslip policy 1"}', "{" + '"a":' * 9]
 )

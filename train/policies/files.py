@@ -129,7 +129,7 @@ def unpacked(contents: dict[str, bytes], name: str) -> Policy:
         header = json.loads(weights[8 : 8 + int.from_bytes(weights[:8], "little")])
     except (SafetensorError, ValueError, KeyError, RecursionError) as error:
         raise ValueError(f"{file} must be of safetensors' form: {_line(error)}") from None
-    told = header.get("__metadata__", {}).get(_DESCRIBED_BY)
+    told = (header.get("__metadata__") or {}).get(_DESCRIBED_BY)
     try:
         if told != _digest(canonical(description).encode()):
             raise ValueError("it must say what was said when the weights were written: it was changed")
