@@ -5,11 +5,21 @@ import os
 import pytest
 from hypothesis import settings
 
+from stickslip.train import verdict
+
 # A search that does not differ from run to run can be trusted to pass again; one that does finds more (`make night`),
 # and prints how to reproduce what it finds.
 settings.register_profile("ci", derandomize=True, deadline=None, database=None)
 settings.register_profile("night", deadline=None, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _trainings_are_judged_briefly():
+    """Over few steps and words: what a training came to takes seconds to tell, and no test but its own asks."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(verdict, "STANDARD", verdict.Judging(seeds=2, steps=40, burn_in=10, longest_word=3))
+        yield
 
 
 @pytest.fixture(scope="session", autouse=True)

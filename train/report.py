@@ -11,6 +11,7 @@ from ..common.fingerprint import refuse_other
 from ..crawler import simulate
 from ..envs import StickSlipCrawlerEnv
 from ..tasks import plot_memory_profile
+from . import verdict
 from .evaluation import Acting, film
 from .figures import plot_learning
 from .policies.files import DESCRIPTION, read_policy, WEIGHTS
@@ -32,6 +33,7 @@ def evaluate_run(
     weight: float | None = None,
     video: bool = True,
     trust: bool = False,
+    judge: verdict.Judging | None = None,
 ) -> dict[str, Any]:
     """Replay a run's policy: see `evaluate_policy`; ``learning.png`` is written too.
 
@@ -44,7 +46,7 @@ def evaluate_run(
         running its code unless it is recurrent.
     output : Path, optional
         ``folder / "evaluation"`` by default.
-    steps, seeds, dither, video
+    steps, seeds, dither, video, judge
         As for `evaluate_policy`.
     weight : float, in [0, 1], optional
         Of memory, for a policy that is conditioned on it, and for no other.
@@ -83,7 +85,12 @@ def evaluate_run(
             raise ValueError(f"weight must be left out with a zip of Stable-Baselines3's, got {weight!r}")
     output = folder / "evaluation" if output is None else output
     arguments = run.configuration.env_kwargs
-    result = evaluate_policy(policy, arguments, output, steps=steps, seeds=seeds, dither=dither, video=video)
+    told: dict[str, Any] = {"steps": steps, "seeds": seeds, "dither": dither, "video": video, "judge": judge}
+    if weight is not None:
+        arguments = arguments | {"memory_weight": weight}
+    elif dither is None:
+        told["against"] = verdict.read_baselines(folder, verdict.STANDARD if judge is None else judge)
+    result = evaluate_policy(policy, arguments, output, **told)
     save_figure(plot_learning(folder / "evaluations.csv"), output / "learning.png")
     return result
 
@@ -97,8 +104,12 @@ def evaluate_policy(
     seeds: Sequence[int] = HELD_OUT_SEEDS,
     dither: float | None = None,
     video: bool = True,
+    judge: verdict.Judging | None = None,
+    against: Sequence[verdict.Baseline] | None = None,
 ) -> dict[str, Any]:
     """Replay a policy; write ``results.json``, ``gait.png``, ``memory.png`` and ``clip.mp4`` into a folder.
+
+    Also ``report.md`` and ``report.json``: the policy beside the valve held open, held shut and the best word.
 
     Parameters
     ----------
@@ -116,6 +127,10 @@ def evaluate_policy(
         Instead of that of `env_kwargs`.
     video : bool
         Whether to film the policy.
+    judge : Judging, optional
+        How the policy is compared with what needs no training; `stickslip.train.verdict.STANDARD` by default.
+    against : sequence of Baseline, optional
+        What needs no training, if it is known for the environment.
 
     Returns
     -------
@@ -141,6 +156,12 @@ def evaluate_policy(
         result["slope drawn"] = first.scene.slope
     if first.performance.memory is not None:
         save_figure(plot_memory_profile({"policy": first.performance.memory}), output / "memory.png")
+    rewarded = env_kwargs | ({} if dither is None else {"dither": dither})
+    if settings.dither == 0.0:
+        rewarded |= {"memory_weight": 0.0}  # there is nothing to remember
+    judged = verdict.judge(policy, rewarded, verdict.STANDARD if judge is None else judge, against=against)
+    verdict.write_verdict(judged, output)
+    result["verdict"] = judged.sentence
     # From the middle of the episode, where the start is forgotten.
     middle = slice(steps // 2, steps // 2 + _GAIT_HOLDS)
     result["commands"] = "".join(str(bit) for bit in first.command[middle])

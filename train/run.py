@@ -32,6 +32,8 @@ _KEPT = (
     "final.zip",
     "evaluations.csv",
     "replay_buffer.pkl",
+    "report.json",
+    "report.md",
 )
 
 
@@ -47,7 +49,8 @@ class Configuration:
     env_kwargs : dict
         Its arguments; kept as JSON holds them.
     hyperparameters : dict
-        As in a file of rl-baselines3-zoo's form, `n_envs`, `n_timesteps` and `policy` among them.
+        As in a file of rl-baselines3-zoo's form, `n_envs`, `n_timesteps` and `policy` among them. If they have
+        `env_kwargs`, these go over to those above, which win.
     seed : int, >= 0
 
     Raises
@@ -71,8 +74,11 @@ class Configuration:
         for name in ("env_kwargs", "hyperparameters"):
             if not isinstance(getattr(self, name), Mapping):
                 raise TypeError(f"{name} must be a mapping, got {getattr(self, name)!r}")
-        known_names("env_kwargs", self.env_kwargs, ENV_ARGUMENTS)
-        object.__setattr__(self, "env_kwargs", plain(self.env_kwargs))
+        hyperparameters = dict(self.hyperparameters)
+        env_kwargs = {**hyperparameters.pop("env_kwargs", {}), **self.env_kwargs}
+        known_names("env_kwargs", env_kwargs, ENV_ARGUMENTS)
+        object.__setattr__(self, "env_kwargs", plain(env_kwargs))
+        object.__setattr__(self, "hyperparameters", hyperparameters)
 
 
 class Run:
@@ -80,7 +86,8 @@ class Run:
 
     Holds ``configuration.yml``, ``checkpoints/<steps>_steps.zip``, ``best.zip`` (of the periodic evaluations),
     ``final.zip``, ``evaluations.csv`` and ``tensorboard/``; of a policy without memory ``best.safetensors`` and
-    ``best.json``, which are the best policy's as `stickslip.train.policies` keeps it; and of an off-policy algorithm
+    ``best.json``, which are the best policy's as `stickslip.train.policies` keeps it; ``report.json`` and
+    ``report.md``, of the best policy beside what needs no training; and of an off-policy algorithm
     ``replay_buffer.pkl``. Every file appears whole or not at all.
 
     Parameters

@@ -14,14 +14,18 @@ from ..common.extras import optional_import
 from ..common.fingerprint import described, refuse_other, rounded
 from ..common.threads import library_threads
 from ..envs import StickSlipCrawlerEnv
+from . import verdict
 from .algorithms import algorithm_class
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .hyperparameters import resolve
+from .long_runs import of_policy, of_words
 from .policies.files import write_policy
 from .policies.from_model import policy_of
 from .run import Configuration, Run
+from .still import hold_still
 from .trust import read_pickle, write_pickle
 from .vec_env import StickSlipVecEnv
+from .verdict import Judging
 
 with optional_import():
     import tensorboard  # noqa: F401  (Stable-Baselines3 logs by it)
@@ -37,6 +41,7 @@ _CONFIGURATION = "stickslip_configuration"
 _REWARDS = "stickslip_first_rewards"
 _PROBED = 16
 _EVALUATIONS = 12
+_EPISODES = 32
 _EVALUATION_SEED = 1_000_000
 
 
@@ -48,8 +53,14 @@ def train(
     trust: bool = False,
     on_progress: Callable[[int], Any] = lambda steps: None,
     vec_env: Callable[..., VecEnv] | None = None,
+    judging: Judging | None = None,
+    or_still: bool = True,
 ) -> Run:
-    """Train a policy, with periodic evaluation, checkpoints and TensorBoard logs.
+    """Train a policy, with periodic evaluation, checkpoints and TensorBoard logs, and judge it.
+
+    The best policy of the evaluations is kept, and compared, on fresh seeds over long runs, with the valve held open,
+    held shut and the best word: ``report.json`` and ``report.md`` say what came of it, and that the training failed
+    where one of these has more reward.
 
     Parameters
     ----------
@@ -67,7 +78,13 @@ def train(
     vec_env : callable
         Makes the environments, for the training and for its evaluations, from their number and
         `configuration.env_kwargs`; a `StickSlipVecEnv` by default. Speed and memory stand in ``evaluations.csv`` where
-        its infos tell them at every step.
+        its infos tell them at every step. Where they show anything else than the environment does, the policy is not
+        judged.
+    judging : Judging, optional
+        How the best policy is judged at the end; `stickslip.train.verdict.STANDARD` by default.
+    or_still : bool
+        Whether a policy that holds the valve open or shut is kept instead of the best, where it earns more on the seeds
+        of the evaluations over runs as long.
 
     Returns
     -------
@@ -82,6 +99,7 @@ def train(
     OSError
         If the folder cannot be written.
     """
+    judging = verdict.STANDARD if judging is None else judging
     total = configuration.hyperparameters["n_timesteps"]
     arguments = resolve(
         {
@@ -154,7 +172,11 @@ def train(
                         tb_log_name=configuration.algorithm,
                     )
                     keeper.keep()
+                if or_still:
+                    _keep_still_if_better(run, judging, trust)
             write_pickle(run.final, model.save)
+            if remaining > 0 or not (folder / verdict.REPORT).exists():
+                _judge(run, judging, trust)
     finally:
         environments.close()
     return run
@@ -184,6 +206,48 @@ def load_policy(run: Run, file: Path | None = None, *, trust: bool = False) -> B
     if not file.is_file():
         raise ValueError(f"checkpoint must be a file, got {file}")
     return _load(run.configuration, file, read_pickle(file, trust=trust))
+
+
+def _best_of_own(run: Run, trust: bool) -> BaseAlgorithm:
+    """The best policy of a run that this user trained, or trusts."""
+    return _load(run.configuration, run.best, read_pickle(run.best, trust=trust, own=True))
+
+
+def _keep_still_if_better(run: Run, judging: Judging, trust: bool) -> None:
+    """Let the best policy of a run be the valve held still, where that earns more on the seeds of the evaluations."""
+    policy, arguments = _best_of_own(run, trust), run.configuration.env_kwargs
+    if not _sees_the_environment(policy, arguments):
+        return
+    seeds = range(_EVALUATION_SEED, _EVALUATION_SEED + judging.seeds)
+    length: dict[str, Any] = {"seeds": seeds, "steps": judging.steps, "burn_in": judging.burn_in}
+    own = of_policy(policy, arguments, **length).reward.mean()
+    still = of_words(["0", "1"], arguments, **length)
+    if max(each.reward.mean() for each in still) > own:
+        best = int(still[1].reward.mean() > still[0].reward.mean())
+        hold_still(policy, best)
+        means = {name: {"mean": float(each.mean())} for name, each in still[best]._asdict().items()}
+        measured = "per step, in one long run a seed, once under way"
+        _keep_as_best(run, policy, {"measured": measured, "seeds": list(seeds), **means})
+
+
+def _keep_as_best(run: Run, model: BaseAlgorithm, scores: dict[str, Any]) -> None:
+    """Let a model be the best policy of a run, in every form in which it is kept."""
+    write_pickle(run.best, model.save)
+    # A recurrent policy, or one of a network or of environments of the user's own, has no such form.
+    with suppress(ValueError):
+        write_policy(policy_of(model, run.configuration, scores), run.best_policy)
+
+
+def _sees_the_environment(policy: BaseAlgorithm, arguments: dict[str, Any]) -> bool:
+    """Whether a policy, trained in environments of the caller's making, can act in the package's own."""
+    return bool(policy.observation_space == StickSlipCrawlerEnv(**arguments).observation_space)
+
+
+def _judge(run: Run, judging: Judging, trust: bool) -> None:
+    """Write down what the best policy of a run came to beside what needs no training."""
+    policy, arguments = _best_of_own(run, trust), run.configuration.env_kwargs
+    if _sees_the_environment(policy, arguments):
+        verdict.write_verdict(verdict.judge(policy, arguments, judging), run.folder)
 
 
 def _load(configuration: Configuration, file: Path, content: BytesIO, env: VecEnv | None = None) -> BaseAlgorithm:
@@ -236,9 +300,9 @@ class _Keeper(BaseCallback):
         self._best = -np.inf
         self._rows: list[Evaluation] = []
         self._next = 0
-        # Without flips and draws one episode says all; with them it takes several.
+        # Without flips and draws one episode says all; with them it takes many, for what the readout earns is noisy.
         arguments = run.configuration.env_kwargs
-        episodes = 1 if arguments.get("dither") == 0.0 and not arguments.get("randomize") else 8
+        episodes = 1 if arguments.get("dither") == 0.0 and not arguments.get("randomize") else _EPISODES
         self._environments = make(episodes, _EVALUATION_SEED)
         self._table = run.folder / "evaluations.csv"
 
@@ -296,11 +360,7 @@ class _Keeper(BaseCallback):
         write_pickle(self._run.checkpoint(self.num_timesteps), self.model.save)
         if reward > self._best:
             self._best = reward
-            write_pickle(self._run.best, self.model.save)
-            # A recurrent policy, or one of a network or of environments of the user's own, has no such form.
-            with suppress(ValueError):
-                best = policy_of(self.model, self._run.configuration, self._scores(evaluation))
-                write_policy(best, self._run.best_policy)
+            _keep_as_best(self._run, self.model, self._scores(evaluation))
         self._rows.append(evaluation)
         write_evaluations(self._table, self._rows)
 

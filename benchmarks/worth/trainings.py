@@ -56,18 +56,18 @@ def _learn(lesson: str, tolerance: float, seed: int) -> dict[str, float]:
         policy = load_policy(train(configuration, Path(folder)), trust=True)
     seconds = time.process_time() - start
     return {
-        "judged": _reward_per_step(policy, lesson, JUDGE),
-        "as trained": _reward_per_step(policy, lesson, tolerance),
+        "judged": _reward_per_step(policy, lesson, {**configuration.env_kwargs, "tolerance": JUDGE}),
+        "as trained": _reward_per_step(policy, lesson, configuration.env_kwargs),
         "seconds": seconds,
     }
 
 
-def _reward_per_step(policy: BaseAlgorithm, lesson: str, tolerance: float) -> float:
+def _reward_per_step(policy: BaseAlgorithm, lesson: str, env_kwargs: dict[str, Any]) -> float:
     environments = make_vec_env(
         Configuration.environment,
         n_envs=EPISODES[lesson],
         seed=_EPISODE_SEED,
-        env_kwargs={**LESSONS[lesson], "tolerance": tolerance},
+        env_kwargs=env_kwargs,
     )
     returns, lengths = evaluate_policy(
         policy, environments, n_eval_episodes=EPISODES[lesson], return_episode_rewards=True

@@ -1,6 +1,7 @@
 """``stickslip train``."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -46,7 +47,9 @@ def train(
     from ..train.hyperparameters import read_hyperparameters
     from ..train.run import Configuration, ENV_ARGUMENTS, Run
     from ..train.training import train as train_policy
+    from ..train.verdict import read_report
 
+    said = said_in(context)
     arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold}
     if groups is not None:
         arguments["groups"] = groups_of(groups)
@@ -55,15 +58,15 @@ def train(
         if name in further:
             raise ValueError(f"--env-kwargs must not set {name}: it has an option of its own, or is not for training")
     known_names("--env-kwargs", further, [name for name in ENV_ARGUMENTS if name not in (*arguments, "groups")])
-    arguments |= further
+    asked = {name: value for name, value in arguments.items() if name in said} | further
     if resume:
         # What is not said is as in the folder, and what is said is compared with it.
         kept = Run.open(output).configuration
-        said = said_in(context)
-        arguments = kept.env_kwargs | {name: arguments[name] for name in arguments if name in said or name in further}
+        arguments = kept.env_kwargs | asked
         algorithm = algorithm if "algorithm" in said else kept.algorithm
         seed = seed if "seed" in said else kept.seed
     # The algorithm is checked before a file of its name is looked for.
+    arguments = arguments | further
     configuration = Configuration(algorithm=algorithm, environment=_ENVIRONMENT, env_kwargs=arguments, seed=seed)
     if resume and hyperparameters is None:
         entry = dict(kept.hyperparameters)
@@ -71,7 +74,10 @@ def train(
         entry = read_hyperparameters(algorithm, _ENVIRONMENT, hyperparameters)
     if steps is not None:
         entry["n_timesteps"] = whole_number("--steps", steps, 1)
-    configuration.hyperparameters.update(entry)
+    if not resume:
+        # The file's choice of environment comes before an option's default, and after what is said.
+        arguments = arguments | entry.get("env_kwargs", {}) | asked
+    configuration = replace(configuration, env_kwargs=arguments, hyperparameters=entry)
 
     with progress("training") as show:
         total = entry["n_timesteps"]
@@ -83,3 +89,6 @@ def train(
     typer.echo(
         f"best policy: {best.reward:.4f} reward per step{terms} after {best.steps} steps, kept in {finished.best}"
     )
+    report = read_report(finished.folder)
+    if report is not None:
+        typer.echo(report["verdict"])

@@ -14,6 +14,7 @@ from ..common.workers import worker_processes
 from ..train.hyperparameters import read_hyperparameters
 from ..train.run import Configuration, Run
 from ..train.training import train
+from ..train.verdict import Judging
 
 with optional_import():
     from rich.console import Console
@@ -42,9 +43,19 @@ class Classroom:
     seed : int
     steps : int or None
         Environment steps of each training; the hyperparameter file's by default.
+    judging : Judging or None
+        How each is judged at its end; `stickslip.train.verdict.STANDARD` by default.
     """
 
-    def __init__(self, folder: Path, lessons: Sequence[Lesson], seed: int, steps: int | None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        lessons: Sequence[Lesson],
+        seed: int,
+        steps: int | None,
+        judging: Judging | None = None,
+    ) -> None:
+        self._judging = judging
         self._folder = folder
         self._lessons = lessons
         entry = read_hyperparameters("ppo", Configuration.environment)
@@ -62,7 +73,7 @@ class Classroom:
     def __enter__(self) -> "Classroom":
         pool = self._workers.__enter__()
         self._futures: dict[str, Future[None]] = {
-            name: pool.submit(_teach, configuration, self._folder / name, name)
+            name: pool.submit(_teach, configuration, self._folder / name, name, self._judging)
             for name, configuration in self._configurations.items()
         }
         return self
@@ -100,7 +111,7 @@ def _share(steps: dict[str, Any]) -> None:
     _shared_steps.update(steps)
 
 
-def _teach(configuration: Configuration, folder: Path, name: str) -> None:
+def _teach(configuration: Configuration, folder: Path, name: str, judging: Judging | None) -> None:
     """Train one policy, in a worker process."""
 
     def progress(done: int) -> None:
@@ -108,7 +119,7 @@ def _teach(configuration: Configuration, folder: Path, name: str) -> None:
 
     unfinished = (folder / "configuration.yml").exists() and not (folder / "final.zip").exists()
     if unfinished and Run.open(folder).configuration == configuration:
-        train(configuration, folder, resume=True, on_progress=progress)
+        train(configuration, folder, resume=True, on_progress=progress, judging=judging)
     else:
         shutil.rmtree(folder, ignore_errors=True)
-        train(configuration, folder, on_progress=progress)
+        train(configuration, folder, on_progress=progress, judging=judging)

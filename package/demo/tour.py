@@ -37,8 +37,8 @@ _PROFILE_BITS = 8000
 _DELAYS = 20
 
 
-_SPEED = Lesson("speed policy", "speed", {"memory_weight": 0.0, "dither": 0.0})
-_MEMORY = Lesson("memory_weight = 0.5 policy", "memory", {"memory_weight": 0.5, "dither": _DITHER})
+_SPEED = Lesson("speed policy", "speed", {"memory_weight": 0.0, "dither": 0.0, "valve_history": 4})
+_MEMORY = Lesson("memory_weight = 0.5 policy", "memory", {"memory_weight": 0.5, "dither": _DITHER, "valve_history": 4})
 _LESSONS = (_SPEED, _MEMORY)
 
 

@@ -22,6 +22,7 @@ from stickslip.tasks import BodyReservoir, known_reservoirs, TASKS
 from stickslip.train import report
 from stickslip.train.evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from stickslip.train.run import Run
+from stickslip.train.verdict import read_report
 
 DEFAULTS = {
     "list": {},
@@ -202,12 +203,13 @@ def test_the_best_evaluation_is_told_and_not_another(trained, capsys):
     write_evaluations(trained / "evaluations.csv", rows)
     said = told(capsys, "train", "--output", trained, "--resume")
     where = " ".join(str(trained / "best.zip").split())
+    verdict = read_report(trained)["verdict"]
     assert said == (
-        f"best policy: 0.7500 reward per step (speed 0.1234, memory 1.5000) after 16 steps, kept in {where}"
+        f"best policy: 0.7500 reward per step (speed 0.1234, memory 1.5000) after 16 steps, kept in {where} {verdict}"
     )
     write_evaluations(trained / "evaluations.csv", [rows[1]._replace(speed=float("nan"))])
     assert told(capsys, "train", "--output", trained, "--resume") == (
-        f"best policy: 0.7500 reward per step after 16 steps, kept in {where}"
+        f"best policy: 0.7500 reward per step after 16 steps, kept in {where} {verdict}"
     )
 
 

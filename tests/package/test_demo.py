@@ -2,6 +2,7 @@
 
 import json
 import re
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,14 +16,15 @@ from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.reservoir import memory_capacity
 from stickslip.studies.benchmark import Record, run_benchmark, STANDARD_RESERVOIRS, table
 from stickslip.tasks import known_reservoirs, random_bits
+from stickslip.train import verdict
 from stickslip.train.evaluation import measure
 from stickslip.train.run import Configuration, Run
 from stickslip.train.schedules import necklaces, performance, repeat
 from stickslip.train.training import load_policy
 
 SEED = 3
-NOISY = {"memory_weight": 0.5, "dither": 0.1}
-QUIET = {"memory_weight": 0.0, "dither": 0.0}
+NOISY = {"memory_weight": 0.5, "dither": 0.1, "valve_history": 4}
+QUIET = {"memory_weight": 0.0, "dither": 0.0, "valve_history": 4}
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +44,7 @@ def shown(tmp_path_factory):
             return printed[-1]
 
         patch.setattr(tour, "Console", recording)
+        patch.setattr(tour, "Classroom", partial(Classroom, judging=verdict.STANDARD))
         assert run(["demo", "--output", str(folder), "--steps", "600", "--seed", str(SEED)]) == 0
     return SimpleNamespace(
         folder=folder,
@@ -210,7 +213,7 @@ def test_a_classroom_trains_each_lesson_and_says_how_far_it_is(tmp_path, monkeyp
         )
         Run.create(tmp_path / folder, asked)
         (tmp_path / folder / "note").touch()
-    with Classroom(tmp_path, LESSONS, SEED, None) as classroom:
+    with Classroom(tmp_path, LESSONS, SEED, None, verdict.STANDARD) as classroom:
         classroom.show(console)
     shown = console.export_text()
     for lesson, kept in zip(LESSONS, (True, False), strict=True):

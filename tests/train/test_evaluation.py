@@ -15,7 +15,7 @@ from stickslip.common.figures import save_figure
 from stickslip.crawler import simulate
 from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.reservoir import mean_over_runs
-from stickslip.train import report, StickSlipVecEnv, training
+from stickslip.train import report, StickSlipVecEnv, training, verdict
 from stickslip.train.evaluation import film, measure, roll_out
 from stickslip.train.evaluations import Evaluation, read_evaluations, write_evaluations
 from stickslip.train.hyperparameters import read_hyperparameters
@@ -138,6 +138,7 @@ def test_episodes_side_by_side_are_each_as_alone(policy, arguments):
                 "weight": None,
                 "video": True,
                 "trust": False,
+                "judge": None,
             },
         ),
     ],
@@ -179,10 +180,11 @@ def test_a_film_shows_the_policy_at_work_and_leaves_nothing_else(policy, tmp_pat
 def kept(tmp_path_factory):
     """A run whose policy changes its gait from checkpoint to checkpoint."""
     entry = read_hyperparameters("ppo", "StickSlipCrawler-v0")
+    del entry["env_kwargs"]  # the environment is the test's own
     entry |= {"n_envs": 4, "n_steps": 32, "batch_size": 64, "n_timesteps": 384, "learning_rate": 0.01}
     short = partial(StickSlipVecEnv, max_episode_steps=20)
     folder = tmp_path_factory.mktemp("runs") / "run"
-    return train(Configuration(env_kwargs=ODD, hyperparameters=entry, seed=1), folder, vec_env=short)
+    return train(Configuration(env_kwargs=ODD, hyperparameters=entry, seed=1), folder, vec_env=short, or_still=False)
 
 
 @pytest.fixture
@@ -229,9 +231,17 @@ def test_a_report_is_of_the_checkpoint_steps_and_seed_asked_for(kept, drawn, tmp
         "seeds": [4, 9],
         **told,
         "commands": "".join(map(str, command[500:540].tolist())),
+        "verdict": verdict.judge(policy, ODD, verdict.STANDARD).sentence,
     }
     assert json.loads((folder / "results.json").read_text(encoding="utf-8")) == result
-    assert {path.name for path in folder.iterdir()} == {"results.json", "gait.png", "learning.png", "memory.png"}
+    assert {path.name for path in folder.iterdir()} == {
+        "results.json",
+        "report.json",
+        "report.md",
+        "gait.png",
+        "learning.png",
+        "memory.png",
+    }
     assert not (kept.folder / "evaluation").exists()
 
     # The gait is a stretch of the whole motion, from where the foot is at its begin.
@@ -284,6 +294,7 @@ def test_a_report_tells_what_was_drawn_and_no_memory_without_flips(
     tmp_path, drawn, policy, monkeypatch, arguments, told
 ):
     entry = read_hyperparameters("ppo", "StickSlipCrawler-v0")
+    del entry["env_kwargs"]  # the environment is the test's own
     run = Run.create(tmp_path / "run", Configuration(env_kwargs=arguments, hyperparameters=entry))
     write_evaluations(run.folder / "evaluations.csv", [Evaluation(1, 2.0, 3.0, 4.0)])
     monkeypatch.setattr(training, "load_policy", lambda *_, **__: policy)
@@ -295,4 +306,4 @@ def test_a_report_tells_what_was_drawn_and_no_memory_without_flips(
         assert result["groups drawn"] == environment.episode_groups.to_dict()
         assert result["slope drawn"] == environment.episode_scene.slope
     else:
-        assert set(result) == {"steps", "seeds", "speed", "commands"}
+        assert set(result) == {"steps", "seeds", "speed", "commands", "verdict"}

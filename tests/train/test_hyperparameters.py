@@ -4,6 +4,7 @@ import pytest
 
 from stickslip.train.algorithms import ALGORITHMS
 from stickslip.train.hyperparameters import linear_schedule, read_hyperparameters, resolve
+from stickslip.train.run import Configuration
 
 ID = "StickSlipCrawler-v0"
 
@@ -47,6 +48,20 @@ def test_a_file_of_one_s_own_is_read_instead_of_the_packaged_one(tmp_path):
     assert isinstance(read_hyperparameters("ppo", ID, file)["n_timesteps"], int)
     file.write_text(f"{ID}: {{n_envs: 1, n_timesteps: 1, policy: p}}", "utf-8")
     assert read_hyperparameters("ppo", ID, file)["n_envs"] == 1
+
+
+def test_a_file_may_choose_the_environment(tmp_path):
+    file = tmp_path / "mine.yml"
+    for written in ("{valve_history: 3, hold: 0.7}", "'dict(valve_history=3, hold=0.7)'"):
+        file.write_text(f"{ID}: {{n_envs: 3, n_timesteps: 9, policy: p, env_kwargs: {written}}}", "utf-8")
+        entry = read_hyperparameters("ppo", ID, file)
+        assert entry["env_kwargs"] == {"valve_history": 3, "hold": 0.7}
+    asked = Configuration(env_kwargs={"hold": 0.25}, hyperparameters=entry)
+    assert asked.env_kwargs == {"valve_history": 3, "hold": 0.25}  # what is said wins
+    assert asked.hyperparameters == {"n_envs": 3, "n_timesteps": 9, "policy": "p"}
+    assert "env_kwargs" in entry  # what was read is left as it was
+    with pytest.raises(ValueError, match="env_kwargs has no 'wheels'"):
+        Configuration(hyperparameters={"env_kwargs": {"wheels": 4}})
 
 
 def test_what_is_no_text_is_refused(tmp_path):
@@ -108,6 +123,10 @@ def test_what_cannot_be_understood_is_refused(entry, message):
         (f"{ID}: {{n_envs: 0, n_timesteps: 10, policy: p}}", "n_envs must be a whole number >= 1, got 0"),
         (f"{ID}: {{n_envs: 1, n_timesteps: .nan, policy: p}}", "n_timesteps must be a whole number >= 1, got nan"),
         (f"{ID}: {{n_envs: .inf, n_timesteps: 1, policy: p}}", "n_envs must be a whole number >= 1, got inf"),
+        (
+            f"{ID}: {{n_envs: 1, n_timesteps: 1, policy: p, env_kwargs: [4]}}",
+            "env_kwargs must be a mapping or dict",
+        ),
         (f"{ID}: {{n_envs: true, n_timesteps: 1, policy: p}}", "n_envs must be a whole number >= 1, got True"),
     ],
 )

@@ -52,6 +52,8 @@ def test_a_run_keeps_its_configuration_checkpoints_evaluations_and_logs(short_ru
         "best.json",
         "final.zip",
         "evaluations.csv",
+        "report.json",
+        "report.md",
         "tensorboard",
     }
     assert Run.open(short_run.folder).configuration == short_run.configuration
@@ -67,9 +69,9 @@ def test_a_run_keeps_its_configuration_checkpoints_evaluations_and_logs(short_ru
     ("arguments", "episodes"),
     [
         (SPEED, 1),
-        (SPEED | {"randomize": {"slope": [0.0, 0.1]}}, 8),
-        (SPEED | {"dither": 0.1}, 8),
-        ({}, 8),  # flips are the environment's own choice
+        (SPEED | {"randomize": {"slope": [0.0, 0.1]}}, 32),
+        (SPEED | {"dither": 0.1}, 32),
+        ({}, 32),  # flips are the environment's own choice
     ],
     ids=str,
 )
@@ -176,7 +178,7 @@ def test_infos_are_sparse_where_only_the_algorithm_reads_them(tmp_path, monkeypa
     monkeypatch.setattr("stickslip.train.training.StickSlipVecEnv", Noting)
     asked = replace(configuration(8, n_envs=2, n_steps=4, batch_size=8), env_kwargs=TRADE)
     train(asked, tmp_path / "run")
-    assert made == [(2, True), (8, False)]
+    assert made == [(2, True), (32, False)]
 
 
 def test_a_schedule_falls_over_all_the_steps_of_a_run(flipped_run, tmp_path):
@@ -310,7 +312,7 @@ def test_a_finished_run_has_nothing_to_resume(short_run):
 def test_a_run_is_not_overwritten_or_resumed_as_another(short_run, tmp_path):
     with pytest.raises(ValueError, match="holds a run already; resume it or name another folder"):
         train(short_run.configuration, short_run.folder)
-    other = replace(short_run.configuration, env_kwargs={**SPEED, "hold": 1.0}, seed=7)
+    other = replace(short_run.configuration, env_kwargs={**short_run.configuration.env_kwargs, "hold": 1.0}, seed=7)
     with pytest.raises(ValueError, match=r"env_kwargs\.hold must be .* to go on with run .*, got 1\.0; seed must be 0"):
         train(other, short_run.folder, resume=True)
     with pytest.raises(ValueError, match=r"run must be a folder with a configuration\.yml in it"):
@@ -380,7 +382,7 @@ def test_every_environment_is_closed_again(tmp_path, fails):
             on_progress=progress,
             vec_env=lambda count, **arguments: Noting(count, max_episode_steps=5, **arguments),
         )
-    assert sorted(closed) == [2, 8]
+    assert sorted(closed) == [2, 32]
 
 
 @pytest.mark.parametrize("changed", [{"scene": {"ratchet": False}}, {"hold": 3.0}, {"groups": "high-damping"}])
@@ -465,15 +467,17 @@ def test_a_corrupted_configuration_is_refused(tmp_path, text):
 def test_an_evaluation_writes_its_figures_numbers_and_clip(short_run):
     result = evaluate_run(short_run.folder, steps=1000)
     made = {path.name: path.stat().st_size for path in (short_run.folder / "evaluation").iterdir()}
-    assert set(made) == {"results.json", "gait.png", "learning.png", "clip.mp4"}
+    assert set(made) == {"results.json", "report.json", "report.md", "gait.png", "learning.png", "clip.mp4"}
     assert min(made.values()) > 0
     policy = load_policy(short_run, trust=True)
-    assert result["speed"]["mean"] == pytest.approx(measure(policy, StickSlipCrawlerEnv(**SPEED), steps=1000)[0].speed)
+    environment = StickSlipCrawlerEnv(**short_run.configuration.env_kwargs)
+    assert result["speed"]["mean"] == pytest.approx(measure(policy, environment, steps=1000)[0].speed)
 
 
 def test_the_crawl_is_learned_within_a_few_updates(tmp_path):
     run = train(configuration(50_000), tmp_path / "run")
-    speed = measure(load_policy(run, trust=True), StickSlipCrawlerEnv(**SPEED), steps=2000)[0].speed
+    environment = StickSlipCrawlerEnv(**run.configuration.env_kwargs)
+    speed = measure(load_policy(run, trust=True), environment, steps=2000)[0].speed
     assert speed >= 0.95 * BEST_OPEN_LOOP
 
 
@@ -482,7 +486,8 @@ def test_the_crawl_is_learned_within_a_few_updates(tmp_path):
 def test_every_algorithm_learns_to_crawl_within_its_shipped_budget(tmp_path, algorithm):
     steps = read_hyperparameters(algorithm, ID)["n_timesteps"]
     run = train(configuration(steps, algorithm=algorithm), tmp_path / "run")
-    speed = measure(load_policy(run, trust=True), StickSlipCrawlerEnv(**SPEED), steps=2000)[0].speed
+    environment = StickSlipCrawlerEnv(**run.configuration.env_kwargs)
+    speed = measure(load_policy(run, trust=True), environment, steps=2000)[0].speed
     # Held open or shut for ever the valve moves nothing but the start; coin flips crawl at a quarter of the optimum.
     assert speed >= 0.95 * BEST_OPEN_LOOP
 
@@ -493,7 +498,8 @@ def test_the_shipped_hyperparameters_crawl_near_the_optimum(tmp_path, seed):
     start = time.perf_counter()
     run = train(configuration(read_hyperparameters("ppo", ID)["n_timesteps"], seed), tmp_path / "run")
     elapsed = time.perf_counter() - start
-    speed = measure(load_policy(run, trust=True), StickSlipCrawlerEnv(**SPEED), steps=4000)[0].speed
+    environment = StickSlipCrawlerEnv(**run.configuration.env_kwargs)
+    speed = measure(load_policy(run, trust=True), environment, steps=4000)[0].speed
     assert speed >= 0.95 * BEST_OPEN_LOOP
     # The promise of the command, with the seconds it took in the message should it be broken.
     assert elapsed <= 90.0, f"seed {seed} took {elapsed:.0f} s"

@@ -35,12 +35,14 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
     Returns
     -------
     dict
-        With `n_envs`, `n_timesteps` and `policy` at least.
+        With `n_envs`, `n_timesteps` and `policy` at least. `env_kwargs`, if there are any, are the environment's
+        arguments where nobody says otherwise, as a mapping.
 
     Raises
     ------
     ValueError
-        If the file is not YAML, lacks the environment, or its entry lacks one of those three.
+        If the file is not YAML, lacks the environment, or its entry lacks one of those three, or its `env_kwargs` are
+        no mapping.
     OSError
         If the file cannot be read.
     """
@@ -76,6 +78,8 @@ def read_hyperparameters(algorithm: str, environment: str, file: Path | None = N
         ):
             raise ValueError(f"hyperparameters file {source}: {name} must be a whole number >= 1, got {value!r}")
         entry[name] = int(value)
+    if "env_kwargs" in entry:
+        entry["env_kwargs"] = _mapping("env_kwargs", entry["env_kwargs"])
     return entry
 
 
@@ -104,8 +108,8 @@ def resolve(hyperparameters: dict[str, Any]) -> dict[str, Any]:
     for name in _SCHEDULES:
         if isinstance(resolved.get(name), str):
             resolved[name] = _schedule(name, resolved[name])
-    if isinstance(resolved.get("policy_kwargs"), str):
-        resolved["policy_kwargs"] = _keywords("policy_kwargs", resolved["policy_kwargs"])
+    if "policy_kwargs" in resolved:
+        resolved["policy_kwargs"] = _mapping("policy_kwargs", resolved["policy_kwargs"])
     return resolved
 
 
@@ -133,12 +137,14 @@ def _schedule(name: str, text: str) -> Callable[[float], float]:
     return linear_schedule(value)
 
 
-def _keywords(name: str, text: str) -> dict[str, Any]:
-    """The keywords of a written call of dict; literals only, so that a file cannot run code."""
+def _mapping(name: str, value: Any) -> dict[str, Any]:
+    """A mapping, or the keywords of a written call of dict; literals only, so that a file cannot run code."""
+    if isinstance(value, dict):
+        return value
     try:
-        call = ast.parse(text, mode="eval").body
+        call = ast.parse(value, mode="eval").body
         if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "dict" and not call.args:
             return {str(keyword.arg): ast.literal_eval(keyword.value) for keyword in call.keywords}
-    except (SyntaxError, ValueError):
+    except (SyntaxError, TypeError, ValueError):
         pass
-    raise ValueError(f"{name} must be a mapping or dict(key=literal, ...), got {text!r}")
+    raise ValueError(f"{name} must be a mapping or dict(key=literal, ...), got {value!r}")
