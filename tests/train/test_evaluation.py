@@ -182,6 +182,7 @@ def kept(tmp_path_factory):
     entry = read_hyperparameters("ppo", "StickSlipCrawler-v0")
     del entry["env_kwargs"]  # the environment is the test's own
     entry |= {"n_envs": 4, "n_steps": 32, "batch_size": 64, "n_timesteps": 384, "learning_rate": 0.01}
+    entry |= {"n_epochs": 10, "ent_coef": 0.003}
     short = partial(StickSlipVecEnv, max_episode_steps=20)
     folder = tmp_path_factory.mktemp("runs") / "run"
     return train(Configuration(env_kwargs=ODD, hyperparameters=entry, seed=1), folder, vec_env=short, or_still=False)

@@ -20,7 +20,7 @@ from stickslip.train.run import Configuration
 from stickslip.train.training import load_policy, train
 
 TRADE = {"memory_weight": 0.3, "dither": 0.1}
-SMALL = {"n_envs": 4, "n_steps": 32, "batch_size": 64, "n_timesteps": 128}
+SMALL = {"n_envs": 4, "n_steps": 32, "batch_size": 64, "n_timesteps": 128, "n_epochs": 10, "ent_coef": 0.003}
 
 
 def configuration(**changes):
