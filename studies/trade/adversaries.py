@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.validation import whole_number
+from ...common.validation import known_names, whole_number
 from ...envs import StickSlipCrawlerVectorEnv
 from ...envs.settings import Settings
 from ...reservoir import memory_capacity
@@ -99,6 +99,7 @@ def audit(
     settings = conditions(**env_kwargs)
     if settings.dither == 0.0:
         raise ValueError("dither must be in (0, 0.5]: without flips there is no memory to be rewarded, got 0.0")
+    known_names("target", [settings.target], ["memory"])
     whole_number("holds", holds, 200)
     tried = {**HONEST, **ADVERSARIES} if adversaries is None else adversaries
     held_out = held_out_seeds(seeds)

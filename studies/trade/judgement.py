@@ -177,6 +177,8 @@ def judge(names: Sequence[str], runs: Runs, settings: Settings, *, seeds: Sequen
                 hold=settings.hold,
                 scene=settings.scene,
                 delays=settings.delays,
+                target=settings.target,
+                target_order=settings.target_order,
                 virtual_nodes=settings.virtual_nodes,
                 tolerance=settings.tolerance,
             )

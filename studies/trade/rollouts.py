@@ -104,7 +104,7 @@ def _scores(
             sums[block, 2] += infos["innovation"] ** 2
     environment.close()
     speeds, memories, squares = (sums / np.diff(ends)[:, np.newaxis, np.newaxis]).transpose(1, 0, 2)
-    if settings.dither > 0.0:
+    if settings.dither > 0.0 and settings.target == "memory":
         variances = squares / settings.variance
         memories = memories - memories.mean(axis=0) / variances.mean(axis=0) * (variances - 1.0)
     return np.stack([speeds, memories], axis=1)
@@ -120,7 +120,10 @@ def arguments_of(settings: Settings) -> dict[str, Any]:
         "dither": settings.dither,
         "memory_weight": settings.memory_weight,
         "delays": settings.delays,
+        "target": settings.target,
+        "target_order": settings.target_order,
         "virtual_nodes": settings.virtual_nodes,
+        "valve_history": settings.valve_history,
     }
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from stickslip.studies.trade.conditions import conditions
-from stickslip.studies.trade.rollouts import roll_out_many, runs_of, WASHOUT
+from stickslip.studies.trade.rollouts import arguments_of, roll_out_many, runs_of, WASHOUT
 
 
 def open_and_shut(part):
@@ -43,3 +43,10 @@ def test_runs_are_of_each_policy_and_seed():
     flips = np.random.default_rng(9).random(50) < 0.3
     assert commands.tolist() == [[0] * 50, [1] * 50, [1] * 50]
     assert np.array_equal(valves, commands ^ flips)
+
+
+def test_every_argument_of_the_environment_is_handed_on():
+    given = {"hold": 0.7, "dither": 0.2, "delays": 7, "target": "parity", "target_order": 3, "valve_history": 4}
+    settings = conditions(groups="high-damping", scene={"slope": 0.01}, tolerance=1e-5, virtual_nodes=2, **given)
+    assert gym.make_vec("stickslip:StickSlipCrawler-v0", 2, **arguments_of(settings)).unwrapped.settings == settings
+    assert {name: getattr(settings, name) for name in given} == given
