@@ -160,6 +160,7 @@ def test_a_conditioned_policy_takes_the_weight_beside_the_observation():
     seen, weights = observations(500, 5), np.random.default_rng(0).random(500)
     beside = np.column_stack([seen, weights]).astype(np.float32)
     np.testing.assert_array_equal(policy.predict(seen, weights), model.predict(beside, deterministic=True)[0])
+    assert [int(policy.predict(one, 0.25)) for one in seen[:30]] == policy.predict(seen[:30], 0.25).tolist()
     np.testing.assert_array_equal(policy.predict(seen, 0.25), policy.predict(seen, np.full(500, 0.25)))
     assert not np.array_equal(policy.predict(seen, 0.0), policy.predict(seen, 1.0))
     for weight, message in (

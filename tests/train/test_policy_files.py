@@ -26,7 +26,7 @@ def described(**changes):
         "conditioned": True,
         "network": {"sizes": SIZES, "activation": "tanh", "outputs": "logits"},
         "algorithm": {"name": "ppo", "steps": 7},
-        "versions": {"stickslip": "0.1.0"},
+        "versions": {"stickslip": "0.1.0", "Prüfstand": "2"},
         "scores": {"speed": {"mean": 0.1 + 0.2}, "seeds": [1, 2]},
     } | changes
 
@@ -70,6 +70,7 @@ def test_what_is_read_is_what_was_written(kept):
         "1.bias": (2,),
     }
     told = json.loads(before[1])
+    assert "Prüfstand" in before[1].decode("utf-8")  # as people read it
     assert told["sha256"] == sha256(before[0]).hexdigest()
 
 
@@ -155,7 +156,7 @@ def test_what_lacks_something_is_refused(tmp_path, name):
     description = described()
     del description[name]
     forge(tmp_path / "p", tensors(), description)
-    assert f"it lacks ['{name}']" in refusal(tmp_path / "p")
+    assert f"must have exactly {list(described())}; it lacks ['{name}']" in refusal(tmp_path / "p")
 
 
 def test_one_changed_bit_of_the_weights_is_noticed(kept):
@@ -234,7 +235,8 @@ def test_weights_that_do_not_say_what_describes_them_are_refused(tmp_path, metad
 )
 def test_descriptions_of_another_form_are_refused(kept, text):
     description_of(kept).write_bytes(text.encode("latin-1"))
-    refusal(kept)
+    message = refusal(kept)
+    assert ("must be JSON: numbers must be finite, got NaN" in message) == ("NaN" in text)
 
 
 def test_what_is_too_large_is_not_read(kept):
