@@ -26,7 +26,7 @@ KINDS = ("rests", "walks", "either")
 """What a register does without flips: "either" where that depends on its first valve states."""
 
 # Of each kind and floor so many run again, so much longer, before the best is judged.
-_AGAIN, _HOLDS = 12, 4000
+_AGAIN, _HOLDS = 40, 4000
 _SEED = 30_000_000
 
 

@@ -79,7 +79,7 @@ def open_loop_front(
     holds : int
         Of the runs that judge.
     screening_holds : int, >= 200
-        Of the first runs that choose; the last are 16 times as long.
+        Of the first runs that choose; in the last there are 64 times as many.
     seed : int, >= 0
         Of those.
     threads : int, optional

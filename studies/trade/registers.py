@@ -75,7 +75,7 @@ def best_registers(
     seeds, holds, seed, threads
         As in `open_loop_front`.
     screening_holds : int, >= 200
-        Of the first runs that choose; the last are 16 times as long.
+        Of the first runs that choose; in the last there are 64 times as many.
     **env_kwargs
         As for `conditions`.
 

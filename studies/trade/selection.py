@@ -18,7 +18,9 @@ __all__ = ["Selection", "select", "undominated"]
 
 _MARGIN = 3.0
 _LONGER = 4
-_ROUNDS = 3
+_ROUNDS = 4
+# Crawlers of a round, if there are holds enough: each controller has several then, which take shorter runs.
+_CRAWLERS = 256
 # Between the seeds of two rounds, more than the controllers that are ever tried at once; between those of two
 # selections; and where they begin, beyond all that train or judge.
 _APART, _NEXT, _FIRST = 200_000, 1_000_000, 10_000_000
@@ -54,7 +56,7 @@ def select(
     count : int
         Of all.
     holds : int
-        Scored in the first round; the last is 16 times as long.
+        Scored in the first round; in the last 64 times as many, by several crawlers of each controller.
     settings : Settings
     seed : int, >= 0
         Each has flips of its own, in each round.
@@ -67,19 +69,30 @@ def select(
     latest = np.zeros((2, count))
     left = np.arange(count)
     for turn in range(_ROUNDS):
-        length = holds * _LONGER**turn
+        copies = max(1, min(_LONGER**turn, _CRAWLERS // len(left)))
+        every, length = np.tile(left, copies), holds * _LONGER**turn // copies
 
-        def some(part: slice, left: NDArray[np.int64] = left, length: int = length) -> Act:
-            return controllers(left[part], length)
+        def some(part: slice, every: NDArray[np.int64] = every, length: int = length) -> Act:
+            return controllers(every[part], length)
 
-        scores = roll_out_many(
-            some, len(left), length, settings, seed=_FIRST + _NEXT * seed + _APART * turn, threads=threads
-        )
+        first = _FIRST + _NEXT * seed + _APART * turn
+        scores = _of_all(roll_out_many(some, len(every), length, settings, seed=first, threads=threads), copies)
         latest[:, left] = scores.speeds, scores.memories
         if turn < _ROUNDS - 1:
             left = left[undominated(scores)]
     front = pareto_front(np.stack([scores.speeds, scores.memories], axis=1))
     return Selection(latest[0], latest[1], left[front])
+
+
+def _of_all(scores: Rollouts, copies: int) -> Rollouts:
+    """Scores of controllers, from those of several crawlers of each."""
+    speeds, memories, speed_errors, memory_errors = (each.reshape(copies, -1) for each in scores)
+    return Rollouts(
+        speeds.mean(axis=0),
+        memories.mean(axis=0),
+        np.sqrt(np.mean(speed_errors**2, axis=0) / copies),
+        np.sqrt(np.mean(memory_errors**2, axis=0) / copies),
+    )
 
 
 def undominated(scores: Rollouts, margin: float = _MARGIN) -> NDArray[np.int64]:

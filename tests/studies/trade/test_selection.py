@@ -38,4 +38,4 @@ def test_a_controller_keeps_its_number_through_the_rounds():
     assert found.front.tolist() == [1]
     assert found.speeds[1] > 0.0
     assert np.flatnonzero(found.speeds).tolist() == [1]
-    assert asked == [(list(range(9)), 200), ([1], 800), ([1], 3200)]
+    assert asked == [(list(range(9)), 200), *(([1] * copies, 200) for copies in (4, 16, 64))]
