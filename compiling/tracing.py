@@ -125,13 +125,18 @@ class Traced:
 
     def fma(self, factor: Any, addend: Any) -> "Traced":
         """The number times a factor plus an addend, rounded once."""
-        values = self._alike(self, factor, addend)
+        return self._intrinsic("fma", factor, addend)
+
+    def _floor(self) -> "Traced":
+        return self._intrinsic("floor")
+
+    def _intrinsic(self, name: str, *others: Any) -> "Traced":
+        """What LLVM has for numbers and vectors alike."""
+        values = self._alike(self, *others)
         kind = values[0].type
-        if isinstance(kind, ir.DoubleType):
-            return Traced(self.builder, self.builder.fma(*values))
-        # The builder's own is for numbers only.
-        name = f"llvm.fma.v{kind.count}f64"
-        function = cgutils.get_or_insert_function(self.builder.module, ir.FunctionType(kind, [kind] * 3), name)
+        suffix = f"v{kind.count}f64" if isinstance(kind, ir.VectorType) else "f64"
+        signature = ir.FunctionType(kind, [kind] * len(values))
+        function = cgutils.get_or_insert_function(self.builder.module, signature, f"llvm.{name}.{suffix}")
         return Traced(self.builder, self.builder.call(function, values))
 
     def _compared(self, relation: str, other: Any) -> "Traced":
@@ -185,14 +190,16 @@ class Traced:
     def log2(self) -> "Traced":
         """Binary logarithm of a number >= 0, to 0.05: its exponent and, as if logarithms were linear, its mantissa."""
         bits = self._bits()
-        return Traced(self.builder, self.builder.sitofp(bits.value, self._shaped(_DOUBLE))).fma(2.0**-52, -1022.957)
+        # Without a sign: processors convert that in vectors.
+        return Traced(self.builder, self.builder.uitofp(bits.value, self._shaped(_DOUBLE))).fma(2.0**-52, -1022.957)
 
     def exp2(self) -> "Traced":
         """Power of two of a number in (-1023, 1024), to 0.4%: its whole part exactly, its fraction by a parabola."""
         biased = self + 1023.0
-        whole = Traced(self.builder, self.builder.fptosi(biased.value, self._shaped(_INTEGER)))
-        fraction = biased - Traced(self.builder, self.builder.sitofp(whole.value, self._shaped(_DOUBLE)))
-        return (fraction * fraction.fma(1.0 / 3.0, 2.0 / 3.0) + 1.0) * whole._integer("shl", 52)._number()
+        whole = biased._floor()
+        fraction = biased - whole
+        power = (whole + _ROUNDER)._bits()._integer("shl", 52)._number()
+        return (fraction * fraction.fma(1.0 / 3.0, 2.0 / 3.0) + 1.0) * power
 
     def exp(self) -> "Traced":
         """Exponential within one unit in the last place; that of the nearest of [-708, 709] beyond, of -708 for NaN.

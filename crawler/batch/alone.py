@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled
+from ...compiling.compilation import compiled, inlined
 from ..model.columns import body_of, coefficients_at, write_body
 from ..model.equations import pressure_after
 from ..model.state import Body, Coefficients
@@ -63,7 +63,7 @@ def turn_valve(valve: float, turned: float, close: float, lanes: NDArray[np.floa
     lanes[HOLD, CLOSE, lane] = close
 
 
-@compiled
+@inlined
 def step_alone(
     options: Options,
     sure: bool,

@@ -13,7 +13,7 @@ from ..motion import progress
 from ..steps.options import FINISHED, Options
 from ..steps.workspace import ROWS, WIDTH
 from .advance import lane_workspace
-from .lane_runs import ACTIVE, ADMITTED, blank_log, CALL, go_on_in_lanes, Log, LOGGED, QUEUED, Runs
+from .lane_runs import ACTIVE, ADMITTED, blank_log, CALL, go_on_in_lanes, Log, LOGGED, QUEUED, Runs, STATE_ROWS
 
 __all__ = ["drive_in_lanes", "parts_of"]
 
@@ -65,7 +65,7 @@ def drive_in_lanes(
             return logs
         queue = crawlers[part]
         duties = schedule[queue].astype(np.float64)
-        state = np.zeros((4, LANES), np.int64)
+        state = np.zeros((STATE_ROWS, LANES), np.int64)
         lanes, series, log = lane_workspace(), np.empty((ROWS, WIDTH)), blank_log(_EVENTS)
         state[0, ADMITTED] = len(queue)
         while not over.is_set():

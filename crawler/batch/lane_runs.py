@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiling.compilation import compiled
+from ...compiling.compilation import compiled, inlined
 from ...compiling.vectors import LANES
 from ..model.state import Body, Ledger
 from ..motion.progress import stretch_at
@@ -38,6 +38,7 @@ __all__ = [
     "CALL",
     "LOGGED",
     "QUEUED",
+    "STATE_ROWS",
     "Log",
     "Runs",
     "blank_log",
@@ -48,9 +49,10 @@ __all__ = [
 _BODY, _LEDGER = len(Body._fields), len(Ledger._fields)
 # Of the array that a run in lanes goes on from: the next crawler in the queue, how many of the queue may enter, the
 # lanes in use as bits, events written and steps of a call; below, lane by lane, the crawler's place in the queue, the
-# stretch of its valve, and its steps.
+# stretch of its valve, its steps, and how many it may take.
 QUEUED, ADMITTED, ACTIVE, LOGGED, CALL = range(5)
-PLACE, STRETCH, STEPS = range(3)
+PLACE, STRETCH, STEPS, BUDGET = range(4)
+STATE_ROWS = 5
 
 
 class Runs(NamedTuple):
@@ -97,7 +99,7 @@ def go_on_in_lanes(
 
     Parameters
     ----------
-    state : (4, LANES) array
+    state : (STATE_ROWS, LANES) array
         Zero at first but for the steps of a call and the length of the queue. Where its element ACTIVE is zero
         afterwards all is done.
     queue : (m,) array
@@ -156,15 +158,18 @@ def go_on_in_lanes(
         left -= sampled // SAMPLES_A_STEP
         if options.energy:
             account_lanes(options.method, (), lanes)
+        spent = 0
         for lane in range(LANES):
-            if (active >> lane) & 1:
-                places[STEPS, lane] += 1
+            places[STEPS, lane] += 1
+            spent |= (places[STEPS, lane] >= places[BUDGET, lane]) << lane
+        for lane in range(LANES):
+            if ((active & (last | lost | spent)) >> lane) & 1:
                 reached = (last >> lane) & 1 == 1
                 status = DIVERGED if (lost >> lane) & 1 else FINISHED
                 _go_on(reached, status, queue, schedule, runs, lanes, control, places, lane)
 
 
-@compiled
+@inlined
 def _go_on(
     reached: bool,
     status: int,
@@ -178,7 +183,7 @@ def _go_on(
 ) -> None:
     """After a step: let the valve turn if its time is `reached`, and the next crawler enter if this one has ended."""
     i = queue[places[PLACE, lane]]
-    spent = places[STEPS, lane] >= runs.budgets[i]
+    spent = places[STEPS, lane] >= places[BUDGET, lane]
     stretch = places[STRETCH, lane]
     if reached:
         stretch = _next_stretch(stretch + 1, schedule[places[PLACE, lane]], runs.holds[i])
@@ -224,7 +229,8 @@ def _enter(
     for row in range(_LEDGER):
         lanes[LEDGER, row, lane] = 0.0
     stretch = _next_stretch(0, schedule[place], runs.holds[i])
-    places[PLACE, lane], places[STRETCH, lane], places[STEPS, lane] = place, stretch, 0
+    places[PLACE, lane], places[STRETCH, lane] = place, stretch
+    places[STEPS, lane], places[BUDGET, lane] = 0, runs.budgets[i]
     part = stretch_at(stretch, schedule[place], runs.holds[i])
     turn_valve(part.valve, part.begin, part.end, lanes, lane)
 

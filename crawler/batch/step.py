@@ -4,6 +4,7 @@ The arithmetic is that of the single crawler's step, written by the very same fu
 the single crawler's to the last bit.
 """
 
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,8 @@ __all__ = [
 ]
 
 COLUMNS = WIDTH
+# Their numbers lie in registers.
+_TIMES_AT_ONCE = 4
 # Rows of the lanes' array after Z, V, (P) and FORCE.
 STATE, HOLD, COEFFICIENTS, SAMPLING, SAMPLE, END, BEFORE, LEDGER = range(STEP + 1, STEP + 9)
 LANE_ROWS = STEP + 9
@@ -141,9 +144,8 @@ def _account(order: int, rows: Any) -> tuple[dict[int, list[Any]], list[Any]]:
         pressures.append(gap)
     series = [rows[Z][n] for n in range(order + 2)], [rows[V][n] for n in range(order + 2)], pressures
     work = viscous = None
-    for node, weight in zip(*energy_nodes(order), strict=True):
-        t = length * node
-        z, v, p = (_horner(row, t) for row in series)
+    nodes, weights = energy_nodes(order)
+    for weight, (z, v, p) in zip(weights, _at_nodes(series, [length * node for node in nodes]), strict=True):
         power, heat = ((p * z.fma(coefficients.radial_coupling, 1.0)) * v) * weight, (v * v) * weight
         work, viscous = (power, heat) if work is None else (work + power, viscous + heat)
     ledger = Ledger(*(rows[LEDGER][n] for n in range(len(Ledger._fields))))
@@ -152,11 +154,19 @@ def _account(order: int, rows: Any) -> tuple[dict[int, list[Any]], list[Any]]:
     return {LEDGER: list(ledger)}, [abs(ledger.flow) < np.inf]
 
 
-def _horner(coefficients: list[Any], t: Any) -> Any:
-    total = fma(t, coefficients[-1], coefficients[-2])
+def _at_nodes(series: Sequence[list[Any]], times: Sequence[Any]) -> Iterator[list[Any]]:
+    """Values of polynomials at each time; those of a few times at once, for none waits for another."""
+    for first in range(0, len(times), _TIMES_AT_ONCE):
+        some = times[first : first + _TIMES_AT_ONCE]
+        values = [_horner(row, some) for row in series]
+        yield from ([each[k] for each in values] for k in range(len(some)))
+
+
+def _horner(coefficients: list[Any], times: Sequence[Any]) -> list[Any]:
+    totals = [fma(t, coefficients[-1], coefficients[-2]) for t in times]
     for coefficient in coefficients[-3::-1]:
-        total = fma(total, t, coefficient)
-    return total
+        totals = [fma(total, t, coefficient) for total, t in zip(totals, times, strict=True)]
+    return totals
 
 
 def _lane(rows: Any, state: int) -> tuple[Body, Coefficients]:

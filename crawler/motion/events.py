@@ -9,6 +9,7 @@ from ...compiling.compilation import compiled, formula, merged
 from ...compiling.roots import first_downcrossing, horner, horner_derivative, sharp_descent
 from ..model.equations import foot_velocity_at, force, force_terms, is_free, pressure_after, retardation
 from ..model.state import BACKWARD, Body, Coefficients, FORWARD, STUCK
+from ..steps.taylor import ROUNDING
 from ..steps.workspace import END_V, FIRST, FLATTEST, FORCE, HIGHEST, LENGTH, LOWEST, SCRATCH, STEEPEST, STEP, V, Z
 
 __all__ = [
@@ -256,7 +257,8 @@ def _polish(
             break
         change = margin / slope
         moment = min(max(moment - change, 0.0), length)
-        if abs(change) <= 2.0 * np.finfo(np.float64).eps * moment:
+        # Beyond its rounding the margin tells nothing more.
+        if abs(change) <= 2.0 * np.finfo(np.float64).eps * moment or abs(margin) <= ROUNDING * size:
             break
     # Near a graze the series can cross a threshold that the state does not reach in this step: nothing breaks loose.
     return np.inf if margin > _VANISHING * size else moment
