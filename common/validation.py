@@ -1,6 +1,7 @@
 """Arguments checked, and refused in one sentence: the name, what is allowed, and what was given."""
 
 from collections.abc import Iterable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -156,8 +157,14 @@ def number_within(name: str, value: Any, interval: str) -> float:
     # A whole number may be too large for a float.
     if isinstance(value, int) and abs(value) > 10**308:
         raise ValueError(f"{name} must be in {interval}, got a number of {len(str(abs(value)))} digits")
-    low, high = (float(end) for end in interval[1:-1].split(","))
+    low, high = _ends_of(interval)
     allowed_end = (value == low and interval[0] == "[") or (value == high and interval[-1] == "]")
     if not (low < value < high or allowed_end):
         raise ValueError(f"{name} must be in {interval}, got {value!r}")
     return float(value)
+
+
+@cache
+def _ends_of(interval: str) -> tuple[float, float]:
+    low, high = interval[1:-1].split(",")
+    return float(low), float(high)

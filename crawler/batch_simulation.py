@@ -1,5 +1,7 @@
 """The crawlers of a batch for `simulate`, each by the way that suits it: in lanes, or one by one, on all processors."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +14,7 @@ from numpy.typing import NDArray
 from ..common.sharing import share
 from .batch.driving import drive_in_lanes
 from .batch.lane_runs import blank_log, Log, Runs
-from .model.columns import chains_of_each, coefficients_of_each, units_of
+from .model.columns import chains_of_each, coefficients_of_each, coefficients_of_one, units_of
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Body, Coefficients, Ledger
@@ -108,7 +110,9 @@ def drive_batch(
             chain = run_chain(body, stretches, groups, scene, duties, hold, options, samples, parts[i])
             outcome, finished, events, stored = chain
         else:
-            run = run_crawler(body, groups, scene, duties, hold, options, samples, by)
+            run = run_crawler(
+                body, coefficients_of_one(columns, i), float(units[i]), duties, hold, options, samples, by
+            )
             outcome, finished, events, stored, conditions[i] = run
         runs.bodies[:, i], runs.ledgers[:, i] = outcome.body, outcome.ledger
         runs.statuses[i], runs.elapsed[i], runs.steps[i] = outcome.status, outcome.elapsed, outcome.steps

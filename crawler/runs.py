@@ -1,5 +1,7 @@
 """A run for `simulate`: a body through its schedule with room for all its events, and the energy it stores."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from typing import Any
@@ -10,8 +12,7 @@ from numpy.typing import NDArray
 from .drive import drive
 from .model.groups import Groups
 from .model.scene import Scene
-from .model.state import Body, Coefficients, coefficients_of
-from .model.tube import as_crawler
+from .model.state import Body, Coefficients
 from .motion.balance import Store, store_between, stored_by_chain, stored_by_crawler
 from .motion.sampling import BODY_ROWS
 from .motion.tangent import condition_of, start_changes
@@ -24,8 +25,8 @@ __all__ = ["run_chain", "run_crawler"]
 
 def run_crawler(
     body: Body,
-    groups: Groups,
-    scene: Scene,
+    coefficients: Coefficients,
+    unit: float,
     schedule: NDArray[np.float64],
     hold: float,
     options: Options,
@@ -33,6 +34,18 @@ def run_crawler(
     solver: Solver,
 ) -> tuple[Outcome, int, NDArray[np.float64], Store, float]:
     """Advance any tube that is one body through its schedule, in its own unit of time.
+
+    Parameters
+    ----------
+    body : Body
+    coefficients : Coefficients
+        As `as_crawler` has the groups.
+    unit : float
+        Of time, from `as_crawler`.
+    schedule, hold, options
+    samples : (5, holds * samples_per_hold) array
+        Receives z, v, p, x, w.
+    solver : Solver
 
     Returns
     -------
@@ -45,9 +58,7 @@ def run_crawler(
     condition : float
         As in `Trajectory`; nan unless `options` has the tangents carried.
     """
-    groups, scene, unit = as_crawler(groups, scene)
     start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
-    coefficients = coefficients_of(groups, scene)
     workspace = solver.workspace(coefficients, hold / unit, samples.shape[1] // len(schedule))
 
     def begin() -> NDArray[np.float64]:

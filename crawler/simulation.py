@@ -1,5 +1,7 @@
 """The body driven by a sequence of valve states or duty cycles."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -27,6 +29,7 @@ from .trajectory import EVENT, Trajectory
 __all__ = ["TOLERANCES", "simulate"]
 
 TOLERANCES = "[1e-15, 1e-2]"
+_RANGES = dict.fromkeys(State._fields, "(-inf, inf)") | {"pressure": "[0, 1]"}
 
 
 def simulate(
@@ -134,7 +137,7 @@ def simulate(
         raise error if single else SolverError(f"crawler {failed[0]}: {error}")
 
     fractions = np.arange(1, samples_per_hold + 1) / samples_per_hold
-    grid = (np.arange(batch.schedule.shape[1])[:, None] + fractions).ravel()
+    grid = np.add.outer(np.arange(batch.schedule.shape[1]), fractions).ravel()
     shared = np.ndim(hold) == 0
     (work, viscous, friction, _), slips = runs.ledgers, runs.bodies[SLIPS].astype(np.int64)
 
@@ -161,7 +164,7 @@ def simulate(
         hold=float(batch.holds[0]) if shared else batch.holds,
         model=_model(batch, driven.solvers),
         groups=batch.crawlers[0] if single else tuple(batch.crawlers),
-        initial=deepcopy(start),
+        initial=deepcopy(start) if isinstance(start, ChainState) else start,
         condition=(float(driven.conditions[0]) if single else driven.conditions) if condition else None,
     )
 
@@ -195,7 +198,7 @@ def _batch(groups: Any, valve: ArrayLike, hold: Any, scene: Any) -> tuple[Batch,
         [each] * count if isinstance(each, Groups) else each,
         scenes if isinstance(scenes, list) else [scenes] * count,
         np.full(count, holds),
-        np.broadcast_to(schedule, (count, schedule.shape[-1])).copy() if schedule.ndim == 1 else schedule,
+        schedule[np.newaxis].repeat(count, axis=0) if schedule.ndim == 1 else schedule,
     )
     return batch, not counts
 
@@ -213,9 +216,9 @@ def _schedule(valve: ArrayLike) -> NDArray[Any]:
     if given.ndim not in (1, 2) or given.size == 0:
         raise ValueError(f"valve must have shape (holds,) or (batch, holds) and not be empty, got {given.shape}")
     kind = given.dtype.kind
-    wrong = np.argwhere(~((given >= 0) & (given <= 1))) if kind in "biuf" else np.zeros((1, given.ndim), int)
-    if len(wrong):
-        index = tuple(int(i) for i in wrong[0])
+    allowed = (given >= 0) & (given <= 1) if kind in "biuf" else np.zeros(given.shape, np.bool_)
+    if not allowed.all():
+        index = tuple(int(i) for i in np.argwhere(~allowed)[0])
         raise ValueError(f"valve must hold only numbers in [0, 1], got {given[index]!r} at index {index}")
     return given.astype(np.float64 if kind == "f" else np.int8)
 
@@ -229,10 +232,8 @@ def _start(initial: State | ChainState, scene: Scene) -> tuple[Body, NDArray[np.
         stretches = stretches_of(initial, scene)
         z, v = stretches.mean(axis=1).tolist()
         initial = State(z, v, initial.pressure, initial.foot, initial.foot_velocity)
-    ranges = dict.fromkeys(State._fields, "(-inf, inf)") | {"pressure": "[0, 1]"}
-    state = State(
-        *(number_within(f"initial {name}", value, ranges[name]) for name, value in zip(ranges, initial, strict=True))
-    )
+    ranges = zip(_RANGES.items(), initial, strict=True)
+    state = State(*(number_within(f"initial {name}", value, interval) for (name, interval), value in ranges))
     slowest = 0.0 if scene.ratchet or scene.anchored else -math.inf
     fastest = 0.0 if scene.anchored else math.inf
     if not slowest <= state.foot_velocity <= fastest:

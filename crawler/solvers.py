@@ -110,7 +110,8 @@ def choose_for_each(
     """
     chains = chains_of_each(scenes)
     if name == AUTO:
-        alike = all((row == row[0]).all() for row in (holds, units, *coefficients))
+        numbers = np.vstack([holds, units, coefficients])
+        alike = (numbers == numbers[:, :1]).all()
         some = slice(1) if alike else slice(None)
         choices = np.empty(len(groups), np.int8)
         choices[:] = cheapest_of_each(coefficients[:, some], holds[some], units[some], tolerance)

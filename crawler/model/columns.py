@@ -23,6 +23,7 @@ __all__ = [
     "coefficients_at",
     "coefficients_in",
     "coefficients_of_each",
+    "coefficients_of_one",
     "columns_of",
     "different",
     "is_linear_at",
@@ -50,6 +51,12 @@ def coefficients_of_each(groups: Sequence[Groups], scenes: Sequence[Scene]) -> N
         Fields of `Coefficients` in order, a crawler a column.
     """
     return columns_of(_attributes(groups, Groups.__slots__), _attributes(scenes, Scene.__slots__), len(groups))
+
+
+def coefficients_of_one(columns: NDArray[np.float64], i: int) -> Coefficients:
+    """Those of a column, for Python to pass to compiled code."""
+    numbers = columns[:, i].tolist()
+    return Coefficients(*numbers[:-2], *map(bool, numbers[-2:]))
 
 
 def columns_of(groups: dict[str, Any], scenes: dict[str, Any], count: int) -> NDArray[np.float64]:

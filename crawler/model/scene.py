@@ -74,7 +74,7 @@ class Scene:
             If `choice` or a field is of the wrong type.
         """
         if choice is None:
-            return cls()
+            return _DEFAULT
         if isinstance(choice, cls):
             return choice
         if isinstance(choice, Mapping):
@@ -85,3 +85,6 @@ class Scene:
     def to_dict(self) -> dict[str, Any]:
         """Fields by name, ready for JSON."""
         return {name: getattr(self, name) for name in self.__slots__}
+
+
+_DEFAULT = Scene()

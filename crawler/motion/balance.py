@@ -29,7 +29,7 @@ __all__ = [
 
 # A step errs by a part of the tolerance in the force, which acts along the way of that step. Of 25,000 sound runs none
 # needed more than 0.02 tolerances and 5 roundings a step (`tests/crawler/test_attack.py`).
-_TOLERANCES, _ROUNDINGS = 0.5, 100.0
+_TOLERANCES, _ROUNDINGS = 0.5, 100.0 * float(np.finfo(np.float64).eps)
 
 
 class EnergyWarning(RuntimeWarning):
@@ -93,7 +93,7 @@ def balance_of(ledger: Ledger, store: Store, steps: Any, tolerance: Any, farthes
     scale = ledger.flow + store.size
     # A force's error acts on a body whose speed is at most the root of twice its energy over its mass.
     error = _TOLERANCES * tolerance * (np.sqrt(scale) + tolerance)
-    rounding = _ROUNDINGS * float(np.finfo(np.float64).eps) * (1.0 + scale + rubbing * farthest)
+    rounding = _ROUNDINGS * (1.0 + scale + rubbing * farthest)
     return Balance(residual, scale, steps * (error + rounding))
 
 
