@@ -160,6 +160,10 @@ class SeriesTask:
     draw: Callable[[int, int], Problem]
     metric: Metric
 
+    def drive(self, length: int, seed: int) -> NDArray[np.float64]:
+        """What an attempt drives its reservoir by."""
+        return _drawn(self.draw, length, seed).drive
+
     def attempt(self, reservoir: Reservoir, *, length: int, seed: int, washout: int) -> Solution:
         """Score one reservoir on one draw.
 

@@ -1,17 +1,14 @@
 """The benchmark: every task on every reservoir, over seeds."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from itertools import product
-from typing import Any, TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TypeVar
 
 from ...common.threads import library_threads
 from ...common.validation import whole_number
 from ...tasks.catalogue import TASKS
 from ...tasks.reservoirs import Reservoir, RESERVOIRS
-from ...tasks.task import Task
+from ...tasks.reservoirs.together import drive_together, Remembering
+from ...tasks.task import SeriesTask, Task
 from .records import Record
 
 __all__ = ["STANDARD_RESERVOIRS", "STANDARD_TASKS", "attempts", "chosen", "run_benchmark"]
@@ -93,30 +90,23 @@ def attempts(
     Record
         In the order of seeds, reservoirs, tasks.
     """
-    for seed, (name, reservoir) in product(seeds, reservoirs.items()):
-        remembering = _Remembering(reservoir)
-        for title, task in tasks.items():
-            if (title, name, seed) not in done:
-                solution = task.attempt(remembering, length=length, seed=seed, washout=washout)
+    for seed in seeds:
+        left = {
+            name: {title: task for title, task in tasks.items() if (title, name, seed) not in done}
+            for name in reservoirs
+        }
+        remembering = {name: Remembering(reservoir) for name, reservoir in reservoirs.items()}
+        drive_together(
+            (remembering[name], task.drive(length, seed), seed)
+            for name, wanted in left.items()
+            for task in wanted.values()
+            if isinstance(task, SeriesTask)
+        )
+        for name, wanted in left.items():
+            for title, task in wanted.items():
+                solution = task.attempt(remembering[name], length=length, seed=seed, washout=washout)
                 yield Record.of(title, name, seed, solution)
-
-
-class _Remembering:
-    """A reservoir that is driven once by each series, however many tasks share it."""
-
-    def __init__(self, reservoir: Reservoir) -> None:
-        self._reservoir = reservoir
-        self._states: dict[tuple[bytes, int], NDArray[np.float64]] = {}
-        self.candidates = [_Remembering(candidate) for candidate in getattr(reservoir, "candidates", ())]
-
-    def __call__(self, series: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
-        key = series.tobytes(), seed
-        if key not in self._states:
-            self._states[key] = self._reservoir(series, seed)
-        return self._states[key]
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._reservoir, name)
+            del remembering[name]  # and its states
 
 
 def chosen(

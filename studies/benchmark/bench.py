@@ -31,13 +31,12 @@ _FINISHED = "finished"
 
 @dataclass(frozen=True)
 class _Unit:
-    """What one process does at a stretch: all tasks on one reservoir with one seed."""
+    """What one process does at a stretch: all tasks on some reservoirs with one seed."""
 
     folder: Path
     made_for: dict[str, Any]
     tasks: Mapping[str, Task]
-    name: str
-    reservoir: Reservoir
+    reservoirs: Mapping[str, Reservoir]
     seed: int
     length: int
     washout: int
@@ -46,7 +45,7 @@ class _Unit:
     @property
     def left(self) -> int:
         """Attempts that are not done."""
-        return sum((title, self.name, self.seed) not in self.done for title in self.tasks)
+        return sum((title, name, self.seed) not in self.done for title, name in product(self.tasks, self.reservoirs))
 
     def finish(self) -> Iterator[Record]:
         """Make every attempt that is left, and keep it."""
@@ -54,7 +53,7 @@ class _Unit:
         with library_threads(1):
             for record in attempts(
                 self.tasks,
-                {self.name: self.reservoir},
+                self.reservoirs,
                 [self.seed],
                 length=self.length,
                 washout=self.washout,
@@ -156,7 +155,8 @@ class Bench:
         Parameters
         ----------
         processes : int, at least 1
-            To share the work among; each takes a reservoir and a seed at a time.
+            To share the work among; each takes a reservoir and a seed at a time. One takes all reservoirs of a seed,
+            whose bodies it moves as one batch.
 
         Yields
         ------
@@ -165,9 +165,10 @@ class Bench:
         """
         processes = whole_number("--processes", processes, 1)
         done = self._records.load().keys() & set(product(self._tasks, self._reservoirs, self._seeds))
+        shares = [self._reservoirs] if processes == 1 else [{name: each} for name, each in self._reservoirs.items()]
         units = [
-            _Unit(self.folder, self._made_for, self._tasks, name, each, seed, self._length, self._washout, done)
-            for seed, (name, each) in product(self._seeds, self._reservoirs.items())
+            _Unit(self.folder, self._made_for, self._tasks, some, seed, self._length, self._washout, done)
+            for seed, some in product(self._seeds, shares)
         ]
         finished = len(done)
         yield finished

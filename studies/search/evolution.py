@@ -30,8 +30,9 @@ from ...common.validation import number_within, whole_number
 from ...crawler import SolverError
 from ...reservoir import Estimate
 from ...tasks.catalogue import TASKS
-from ...tasks.reservoirs import Reservoir
-from ...tasks.task import mean_score, Task
+from ...tasks.reservoirs import BodyReservoir, Reservoir
+from ...tasks.reservoirs.together import drive_together, Remembering
+from ...tasks.task import mean_score, SeriesTask, Task
 from .space import Choice, Space
 
 __all__ = ["Evaluation", "Found", "held_out_scores", "search"]
@@ -233,16 +234,24 @@ def held_out_scores(
     if leaked:
         raise ValueError(f"seeds must hold none of the validation seeds, got {leaked}")
     with library_threads(1):
-        scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in chosen]
+        scores = _attempted(task, reservoir, chosen, length, washout)
     return scores, mean_score(task, scores, getattr(reservoir, "features", None))
 
 
 def _scores(task: Task, reservoir: Reservoir, seeds: Sequence[int], length: int, washout: int) -> list[float] | None:
     try:
-        scores = [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in seeds]
+        scores = _attempted(task, reservoir, seeds, length, washout)
     except (SolverError, FloatingPointError, np.linalg.LinAlgError):
         return None
     return scores if all(map(math.isfinite, scores)) else None
+
+
+def _attempted(task: Task, reservoir: Reservoir, seeds: Sequence[int], length: int, washout: int) -> list[float]:
+    if isinstance(task, SeriesTask) and isinstance(reservoir, BodyReservoir):
+        body = Remembering(reservoir)
+        drive_together((body, task.drive(length, seed), seed) for seed in seeds)
+        reservoir = body
+    return [task.attempt(reservoir, length=length, seed=seed, washout=washout).score for seed in seeds]
 
 
 def _ranking(scored: Sequence[Evaluation], more_is_better: bool) -> list[int]:

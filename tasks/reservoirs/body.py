@@ -93,6 +93,11 @@ class BodyReservoir:
         """Number of the states' columns."""
         return len(self.feature_names)
 
+    @property
+    def samples_per_hold(self) -> int:
+        """Of the motion: the fewest among which the readings are."""
+        return int(self.virtual_nodes // np.gcd(self.virtual_nodes, self.holds_per_sample))
+
     def __call__(self, series: ArrayLike, seed: int = 0) -> NDArray[np.float64]:
         """Drive the body; nothing in it is random.
 
@@ -112,7 +117,7 @@ class BodyReservoir:
         ValueError
             If `series` has a wrong shape or a number out of range.
         """
-        return self._read(self._driven(self.groups, series))
+        return self.read(self._driven(self.groups, series))
 
     def varied(self, numbers: Mapping[str, float]) -> "BodyReservoir":
         """The body with some numbers changed, as `stickslip.crawler.model.variations` names them.
@@ -157,7 +162,7 @@ class BodyReservoir:
             valve = encode(values, self.encoding, self.holds_per_sample)[-self.holds_per_sample :]
             motion = self._moved(self.groups, valve, state)
             state = motion.final_state
-            states: NDArray[np.float64] = self._read(motion)[-1]
+            states: NDArray[np.float64] = self.read(motion)[-1]
             return states
 
         return step
@@ -181,7 +186,7 @@ class BodyReservoir:
             If an argument is out of range.
         """
         crawlers = [replace(self.groups, static_friction=s, kinetic_friction=k) for s, k in grounds]
-        return self._read(self._driven(crawlers, series))
+        return self.read(self._driven(crawlers, series))
 
     def _driven(self, groups: Groups | list[Groups], series: ArrayLike) -> Trajectory:
         return self._moved(groups, encode(series, self.encoding, self.holds_per_sample), None)
@@ -189,18 +194,18 @@ class BodyReservoir:
     def _moved(
         self, groups: Groups | list[Groups], valve: NDArray[Any], initial: State | ChainState | None
     ) -> Trajectory:
-        often = self.virtual_nodes // np.gcd(self.virtual_nodes, self.holds_per_sample)
         return simulate(
             groups,
             valve,
             self.hold,
             scene=self.scene,
             tolerance=self.tolerance,
-            samples_per_hold=int(often),
+            samples_per_hold=self.samples_per_hold,
             initial=initial,
         )
 
-    def _read(self, motion: Trajectory) -> NDArray[np.float64]:
+    def read(self, motion: Trajectory) -> NDArray[np.float64]:
+        """The states in a motion of such a body, or of several: (samples, features), or one more axis in front."""
         signals = [self._signal(motion, reading) for reading in self.readings]
         rows = motion.valve.shape[-1] // self.holds_per_sample
         return np.concatenate([_columns(signal, rows, self.virtual_nodes) for signal in signals], axis=-1)
