@@ -3,10 +3,12 @@
 Run ``python benchmarks/memory_reward.py``: for several environments, and over schedules of the valve that any policy
 might follow, the offline capacity of long runs beside the mean reward of episodes of several lengths. Below it,
 policies that look one step ahead at what they are going to earn, for a reward that could be had without capacity would
-show there. The tables go into ``docs/reward.md``.
+show there. The same for rewards of other targets than memory. The tables go into ``docs/reward.md``; ``--only targets``
+measures those alone again.
 """
 
 import argparse
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,7 +19,7 @@ from measuring import keep, machine, refresh
 from numpy.typing import NDArray
 
 from stickslip.envs.settings import Settings
-from stickslip.reservoir import memory_capacity
+from stickslip.reservoir import memory_capacity, target_series
 from stickslip.tasks import crawler_states, dithered, innovation, random_bits
 
 Array = NDArray[np.float64]
@@ -43,10 +45,20 @@ CASES: dict[str, dict[str, Any]] = {
     "`hold=2.0`": {"hold": 2.0},
     "five groups drawn": {"randomize": RANGES},
 }
+TARGETS: dict[str, dict[str, Any]] = {
+    "products of 2, dither 0.1": {"target": "parity"},
+    "products of 2, dither 0.25": {"target": "parity", "dither": 0.25},
+    "the same, `delays=4`": {"target": "parity", "dither": 0.25, "delays": 4},
+    "products of 3, dither 0.25": {"target": "parity", "target_order": 3, "dither": 0.25},
+    "NARMA of order 2, dither 0.1": {"target": "narma"},
+    "NARMA of order 2, dither 0.25": {"target": "narma", "dither": 0.25},
+    "NARMA of order 5, dither 0.1": {"target": "narma", "target_order": 5},
+}
 RANDOM = "random"
 SCHEDULES = ("0", "1", "10", "1100", "11100", "11110000", 6 * "1" + 6 * "0", RANDOM)
 LENGTHS = (200, 500, 1000, 6000)
 LONG = 40_000
+LONGER = 80_000  # two flips in turn are rare
 GREEDY_STEPS = 6000
 
 
@@ -63,14 +75,15 @@ def capacity(settings: Settings, groups: Any, schedule: str, steps: int) -> floa
     return capacity_of(settings, groups, valve, innovation(valve, command, settings.dither))
 
 
-def capacity_of(settings: Settings, groups: Any, valve: Any, message: Array) -> float:
+def capacity_of(settings: Settings, groups: Any, valve: Any, innovations: Array) -> float:
+    message = target_series(innovations, settings.target, settings.target_order, settings.dither)
     states = crawler_states(
         valve, groups=groups, hold=settings.hold, virtual_nodes=settings.virtual_nodes, tolerance=settings.tolerance
     )
-    return memory_capacity(states, message, settings.delays).corrected
+    return memory_capacity(states, message, settings.messages).corrected
 
 
-def measure(arguments: dict[str, Any], episodes: int) -> dict[str, Any]:
+def measure(arguments: dict[str, Any], episodes: int, long: int = LONG) -> dict[str, Any]:
     """Offline capacities and rewards: arrays over schedules, and over schedules and lengths."""
     envs = gym.make_vec(NAME, episodes, max_episode_steps=None, **arguments)
     truth, earned, spread, worst = [], [], [], 0.0
@@ -81,7 +94,7 @@ def measure(arguments: dict[str, Any], episodes: int) -> dict[str, Any]:
         if settings.randomize:
             drawn = {name: each for name, each in infos["groups"].items() if not name.startswith("_")}
             bodies = [{name: float(each[i]) for name, each in drawn.items()} for i in range(episodes)]
-        truth.append(np.mean([capacity(settings, body, schedule, LONG // len(bodies) + 10_000) for body in bodies]))
+        truth.append(np.mean([capacity(settings, body, schedule, long // len(bodies) + 10_000) for body in bodies]))
         steps = commands(schedule, max(LENGTHS))
         memory = np.array([envs.step(np.full(episodes, command))[4]["memory"] for command in steps])
         means = [memory[:length].mean(axis=0) for length in LENGTHS]
@@ -137,6 +150,22 @@ def table(cases: dict[str, dict[str, Any]]) -> str:
     return "\n".join([*lines, *(row(name, found) for name, found in cases.items())])
 
 
+def target_row(name: str, found: dict[str, Any]) -> str:
+    truth, earned = np.array(found["truth"]), np.array(found["earned"])
+    shown = [truth[SCHEDULES.index(schedule)] for schedule in ("1", "11100", RANDOM)]
+    bias = (earned - truth[:, np.newaxis]).mean(axis=0)
+    cells = [f"{each:.2f}" for each in shown] + [f"{truth.mean():.2f}"] + [f"{each:+.2f}" for each in bias]
+    spread = np.array(found["spread"])[:, LENGTHS.index(1000)].mean()
+    return f"| {' | '.join([name, *cells, f'{spread:.2f}', f'{np.corrcoef(truth, earned[:, -1])[0, 1]:.3f}'])} |"
+
+
+def target_table(cases: dict[str, dict[str, Any]]) -> str:
+    heads = ["target", "held open", "11100", RANDOM, "mean of all", *(f"{length} steps" for length in LENGTHS)]
+    heads += ["s.d. of 1000", "correlation"]
+    lines = [f"| {' | '.join(heads)} |", f"|---|{'---:|' * (len(heads) - 1)}"]
+    return "\n".join([*lines, *(target_row(name, found) for name, found in cases.items())])
+
+
 def adversaries(found: dict[str, tuple[float, float]]) -> str:
     lines = [f"| policy | mean reward of {GREEDY_STEPS} steps | capacity of its run |", "|---|---:|---:|"]
     return "\n".join([*lines, *(f"| {name} | {earned:.2f} | {truth:.2f} |" for name, (earned, truth) in found.items())])
@@ -146,7 +175,21 @@ def main() -> None:
     """Print the tables, put them into the page and keep the results."""
     parser = argparse.ArgumentParser(description="Memory reward against offline memory capacity.")
     parser.add_argument("--episodes", type=int, default=64, help="of each schedule (default 64)")
-    episodes = parser.parse_args().episodes
+    parser.add_argument("--only", choices=["targets"], help="what to measure again; the rest is as it was kept")
+    chosen = parser.parse_args()
+    episodes = chosen.episodes
+    targets = {name: measure(arguments, episodes, LONGER) for name, arguments in TARGETS.items()}
+    aimed = {
+        "takes what earns more, products of 2": greedy(1.0, GREEDY_STEPS, target="parity", dither=0.25),
+        "takes what earns more, NARMA of order 2": greedy(1.0, GREEDY_STEPS, target="narma", dither=0.25),
+    }
+    others = {"machine": machine(), "episodes": episodes, "cases": targets, "greedy": aimed}
+    made = {"targets": target_table(targets), "target adversaries": adversaries(aimed)}
+    if chosen.only:
+        print("\n\n".join(made.values()))
+        refresh(PAGE, made)
+        keep(RESULTS, {**json.loads(RESULTS.read_text(encoding="utf-8")), "targets": others})
+        return
     cases = {name: measure(arguments, episodes) for name, arguments in CASES.items()}
     policies: dict[str, Callable[[], tuple[float, float]]] = {
         "takes what earns more in the next step": lambda: greedy(1.0, GREEDY_STEPS),
@@ -154,10 +197,11 @@ def main() -> None:
         "takes what earns more, `delays=100`": lambda: greedy(1.0, GREEDY_STEPS, delays=100),
     }
     looking = {name: policy() for name, policy in policies.items()}
-    made = {"reward": table(cases), "adversaries": adversaries(looking)}
+    made |= {"reward": table(cases), "adversaries": adversaries(looking)}
     print("\n\n".join(made.values()))
     refresh(PAGE, made)
-    keep(RESULTS, {"machine": machine(), "episodes": episodes, "lengths": LENGTHS, "cases": cases, "greedy": looking})
+    found = {"machine": machine(), "episodes": episodes, "lengths": LENGTHS, "cases": cases, "greedy": looking}
+    keep(RESULTS, {**found, "targets": others})
 
 
 if __name__ == "__main__":

@@ -15,7 +15,13 @@ def kept(script):
 
 
 def of_memory_reward(script, results):
-    return {"reward": script.table(results["cases"]), "adversaries": script.adversaries(results["greedy"])}
+    targets = results["targets"]
+    return {
+        "reward": script.table(results["cases"]),
+        "adversaries": script.adversaries(results["greedy"]),
+        "targets": script.target_table(targets["cases"]),
+        "target adversaries": script.adversaries(targets["greedy"]),
+    }
 
 
 def of_reservoir_speed(script, results):
