@@ -1,55 +1,62 @@
 """From body to policy: what the demo shows, step by step."""
 
 import json
+import shutil
 import time
 from pathlib import Path
-
-import numpy as np
+from typing import Any
 
 from ..common.extras import optional_import
 from ..common.figures import save_figure
 from ..common.files import atomically
+from ..common.sharing import processors
 from ..common.threads import library_threads
-from ..crawler import Groups, Scene, simulate
-from ..envs import StickSlipCrawlerEnv
+from ..crawler import Groups, simulate
 from ..reservoir import memory_capacity
 from ..studies.benchmark import run_benchmark, STANDARD_RESERVOIRS, table
+from ..studies.trade.figure import plot_front
+from ..studies.trade.front import Front, fronts, gain
+from ..studies.trade.learned import learned
+from ..studies.trade.plan import Cell, Trade, TRAINED
+from ..studies.trade.portrait_figure import plot_learned
+from ..studies.trade.report import areas
+from ..studies.trade.report import table as table_of_front
+from ..studies.trade.running import TradeFolder
 from ..tasks import known_reservoirs, plot_memory_profile, random_bits
-from ..train.evaluation import film, measure
-from ..train.figures import plot_trade
-from ..train.policies import read_policy
-from ..train.schedules import necklaces, Performance, performances, repeat
-from .classroom import Classroom, Lesson
+from ..train.evaluation import film
+from ..train.schedules import repeat
 from .page import write_page
 
 with optional_import():
     from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
     from rich.table import Table
 
 __all__ = ["run_demo"]
 
 _HOLD = 0.5
-_DITHER = 0.1
-_BEST_WORD = "11100"
-_LONGEST_WORD = 7
-_HOLDS = 6000
+_QUIET, _DITHER = 0.0, 0.1
+_MEMORY_WEIGHT = 0.2
+_WORD = "11100"
 _PROFILE_BITS = 8000
 _DELAYS = 20
-
-
-_SPEED = Lesson("speed policy", "speed", {"memory_weight": 0.0, "dither": 0.0, "valve_history": 4})
-_MEMORY = Lesson("memory_weight = 0.5 policy", "memory", {"memory_weight": 0.5, "dither": _DITHER, "valve_history": 4})
-_LESSONS = (_SPEED, _MEMORY)
+_TRADE: dict[str, Any] = {
+    "weights": (0.0, _MEMORY_WEIGHT, 1.0),
+    "longest": 8,
+    "resolution": 14,
+    "judges": 4,
+    "holds": 4000,
+}
 
 
 def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
-    """Write figures, a clip, numbers and ``index.html`` into a folder, and print a short table.
+    """Write figures, a clip, numbers and ``index.html`` into a folder, and print short tables.
 
     Parameters
     ----------
     folder : Path
-        Made if it is missing. Policies that an interrupted demo left half trained are trained on from their last
-        checkpoint; everything else is made anew.
+        Made if it is missing. What an interrupted demo has finished of its trade, in ``trade/``, is not done again;
+        everything else is made anew.
     seed : int, >= 0
         Of everything random.
     steps : int, optional
@@ -63,9 +70,12 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
     console = Console()
     began = time.perf_counter()
     folder.mkdir(parents=True, exist_ok=True)
-    # The two trainings take a core each; BLAS beside them must not take another.
-    with library_threads(1), Classroom(folder / "policies", _LESSONS, seed, steps) as classroom:
-        crawl = simulate(Groups(), repeat(_BEST_WORD, 40)[0], _HOLD, samples_per_hold=20)
+    asked = Trade(
+        **_TRADE, dithers=(_QUIET, _DITHER), seeds=1, first_seed=seed, steps=steps, env_kwargs={"hold": _HOLD}
+    )
+    trade = _folder(folder / "trade", asked)
+    with library_threads(1):
+        crawl = simulate(Groups(), repeat(_WORD, 40)[0], _HOLD, samples_per_hold=20)
         save_figure(crawl.plot(), folder / "trajectory.png")
         console.print(f"trajectory: {crawl.foot[-1]:.1f} z_c in {crawl.time[-1]:.0f} t_c with {crawl.slips} slips")
 
@@ -78,28 +88,23 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         tasks = table(scores)
         _print_table(console, "tasks, mean [95% interval of the mean] over 5 seeds", tasks)
 
-        schedules = _open_loop(list(necklaces(_LONGEST_WORD)), seed)
-        best = _open_loop([_BEST_WORD], seed, dither=0.0)[_BEST_WORD].speed
-        classroom.show(console)
+    _work(trade, console)
+    quiet, front = fronts(asked, trade.results())
+    save_figure(plot_front(front, weight=_MEMORY_WEIGHT), folder / "trade.png")
+    looked_at = learned(trade, front)
+    assert looked_at is not None
+    save_figure(plot_learned(looked_at.portraits, looked_at.responses, looked_at.imitations), folder / "learned.png")
+    gait = trade.policy(Cell(TRAINED, _QUIET, 0.0, seed))
+    film(gait, folder / "gait.mp4", env_kwargs=gait.env_kwargs, seed=seed)
 
-    policies = {lesson.name: read_policy(classroom.run(lesson).best_policy) for lesson in _LESSONS}
-    quiet = StickSlipCrawlerEnv(**_SPEED.env_kwargs)
-    noiseless = measure(policies[_SPEED.name], quiet, steps=2000, seed=seed)[0].speed
-    measured = {
-        name: measure(policy, StickSlipCrawlerEnv(**_MEMORY.env_kwargs), steps=_HOLDS, seed=seed)[0]
-        for name, policy in policies.items()
-    }
-    save_figure(plot_trade(schedules, measured), folder / "trade.png")
-    film(policies[_SPEED.name], folder / "gait.mp4", env_kwargs=_SPEED.env_kwargs, seed=seed)
-
-    fastest = max(schedules, key=lambda word: schedules[word].speed)
-    trade = _trade_table(
-        {**{f"open loop {fastest}": schedules[fastest], "valve held open": schedules["1"]}, **measured}
+    shown, surfaces = table_of_front(front), areas(front)
+    _print_table(
+        console, f"speed against memory, dither {_DITHER}, mean [95% interval] over {asked.judges} seeds", shown
     )
-    _print_table(console, f"speed against memory, dither {_DITHER}", trade)
+    _print_table(console, "what of the plane is dominated", surfaces)
+    noiseless, limit = _noiseless(quiet), quiet.speed_limit.mean
     console.print(
-        f"speed policy without dither: {noiseless:.4f} z_c/t_c, "
-        f"{noiseless / best:.1%} of the open-loop word {_BEST_WORD} ({best:.4f})"
+        f"speed policy without dither: {noiseless:.4f} z_c/t_c, {noiseless / limit:.1%} of the limit ({limit:.4f})"
     )
     elapsed = time.perf_counter() - began
     results = {
@@ -107,10 +112,7 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         "seconds": elapsed,
         "scores": [score._asdict() for score in scores],
         "memory capacity": {name: profile.corrected for name, profile in profiles.items()},
-        "open loop": {word: _numbers(result) for word, result in schedules.items()},
-        "policies": {name: _numbers(result) for name, result in measured.items()},
-        "speed policy without dither": noiseless,
-        f"word {_BEST_WORD} without dither": best,
+        "trade": {str(each.dither): each.summary() for each in (quiet, front)},
     }
     atomically(
         folder / "results.json", lambda path: path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
@@ -119,31 +121,49 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         folder / "index.html",
         crawl=crawl,
         tasks=tasks,
-        trade=trade,
+        trade=shown,
+        areas=surfaces,
+        gain=gain(front.policies, front.open_loop).mean,
+        knee=front.knee,
+        held_open=next(point for point in front.held if point.kind == "held open"),
         profiles=profiles,
         noiseless=noiseless,
-        best=best,
-        word=_BEST_WORD,
+        limit=limit,
+        limit_noisy=front.speed_limit.mean,
+        word=_WORD,
         dither=_DITHER,
+        weight=_MEMORY_WEIGHT,
         hold=_HOLD,
+        judges=asked.judges,
+        holds=asked.holds,
         elapsed=elapsed,
         seed=seed,
     )
     console.print(f"all of it in {elapsed:.0f} s: open [bold]{folder / 'index.html'}[/bold]")
 
 
-def _open_loop(words: list[str], seed: int, dither: float = _DITHER) -> dict[str, Performance]:
-    schedules = [repeat(word, _HOLDS, dither=dither, seed=seed) for word in words]
-    commands, valves = (np.array(each) for each in zip(*schedules, strict=True))
-    found = performances(commands, valves, dither=dither, groups=Groups(), hold=_HOLD, scene=Scene(), delays=_DELAYS)
-    return dict(zip(words, found, strict=True))
+def _folder(folder: Path, asked: Trade) -> TradeFolder:
+    """The trade of an earlier demo, or, where that asked for something else, a new one in its place."""
+    try:
+        return TradeFolder(folder, asked)
+    except ValueError:
+        shutil.rmtree(folder)
+        return TradeFolder(folder, asked)
 
 
-def _numbers(result: Performance) -> dict[str, float]:
-    numbers = {"speed": result.speed}
-    if result.memory is not None:
-        numbers |= {"memory capacity": result.memory.corrected, "raw": result.memory.total}
-    return numbers
+def _work(trade: TradeFolder, console: Console) -> None:
+    """Do what is left of the trade, with a bar."""
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    with Progress(*columns, console=console) as bar:
+        task = bar.add_task("trade: open loop, limit, policies")
+        for finished in trade.run(processes=processors()):
+            bar.update(task, completed=finished.done, total=finished.of)
+
+
+def _noiseless(quiet: Front) -> float:
+    """Speed of the policy trained without flips, where there are none."""
+    [speed] = {policy.mean[0] for policy in quiet.policies}
+    return speed
 
 
 def _print_table(console: Console, title: str, rows: list[list[str]]) -> None:
@@ -154,10 +174,3 @@ def _print_table(console: Console, title: str, rows: list[list[str]]) -> None:
     for row in body:
         printed.add_row(*row)
     console.print(printed)
-
-
-def _trade_table(results: dict[str, Performance]) -> list[list[str]]:
-    rows = [["schedule", "speed (z_c/t_c)", "memory capacity"]]
-    for name, (speed, memory) in results.items():
-        rows.append([name, f"{speed:.3f}", "" if memory is None else f"{memory.corrected:.2f}"])
-    return rows

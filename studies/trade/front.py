@@ -120,9 +120,17 @@ class Front:
     def summary(self) -> dict[str, Any]:
         """Hypervolumes, what closing the loop gains, the knee and the limit, ready for JSON."""
         told: dict[str, Any] = {
-            "open loop": {"hypervolume": as_json(area(self.open_loop))},
             "speed limit": as_json(self.speed_limit),
+            "losses": [point.name for point in self.losses()],
         }
+        if self.fastest is not None:
+            told["fastest"] = described(self.fastest)
+        if self.knee is not None:
+            told["knee"] = described(self.knee)
+        return told | (self._areas() if self.dither else {})
+
+    def _areas(self) -> dict[str, Any]:
+        told: dict[str, Any] = {"open loop": {"hypervolume": as_json(area(self.open_loop))}}
         for name, points in (("policies", self.policies), ("conditioned policy", self.conditioned)):
             if points:
                 told[name] = {"hypervolume": as_json(area(points)), "gain": as_json(gain(points, self.open_loop))}
@@ -130,9 +138,6 @@ class Front:
         if len(seeds) > 1:
             each = [area([point for point in self.policies if point.seed == seed]).mean for seed in seeds]
             told["policies"]["hypervolume of one training a weight"] = as_json(mean_over_runs(each))
-        if self.knee is not None:
-            told["knee"] = described(self.knee)
-        told["losses"] = [point.name for point in self.losses()]
         return told
 
 

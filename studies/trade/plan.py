@@ -92,6 +92,8 @@ class Trade:
         Probabilities that a command is flipped.
     seeds : int, at least 1
         Trainings at each weight and dither.
+    first_seed : int, at least 0
+        Of the trainings; the others follow.
     env_kwargs : mapping
         Further arguments of the environment, such as ``hold`` and ``groups``. They win over those that the
         hyperparameters bring.
@@ -121,6 +123,7 @@ class Trade:
     weights: tuple[float, ...] = FULL["weights"]
     dithers: tuple[float, ...] = FULL["dithers"]
     seeds: int = FULL["seeds"]
+    first_seed: int = 0
     env_kwargs: Mapping[str, Any] = field(default_factory=dict)
     algorithm: str = "ppo"
     hyperparameters: Mapping[str, Any] | None = None
@@ -134,7 +137,14 @@ class Trade:
     def __post_init__(self) -> None:
         for name, interval in (("weights", "[0, 1]"), ("dithers", "[0, 0.5]")):
             object.__setattr__(self, name, _distinct(name, getattr(self, name), interval))
-        for name, least in (("seeds", 1), ("longest", 1), ("resolution", 6), ("judges", 2), ("holds", EPISODE)):
+        for name, least in (
+            ("seeds", 1),
+            ("first_seed", 0),
+            ("longest", 1),
+            ("resolution", 6),
+            ("judges", 2),
+            ("holds", EPISODE),
+        ):
             whole_number(name, getattr(self, name), least)
         known_names("env_kwargs", self.env_kwargs, [name for name in ENV_ARGUMENTS if name not in _OWN])
         entry = self.hyperparameters
@@ -191,10 +201,10 @@ class Trade:
         making = [Cell(OPEN_LOOP, dither) for dither in self.dithers]
         making += [Cell(LIMIT, dither) for dither in self.dithers]
         if self.conditioned:
-            making += [Cell(CONDITIONED, dither, seed=0) for dither in self.dithers if dither > 0]
+            making += [Cell(CONDITIONED, dither, seed=self.first_seed) for dither in self.dithers if dither > 0]
         making += [
             Cell(TRAINED, dither, weight, seed)
-            for seed in range(self.seeds)
+            for seed in range(self.first_seed, self.first_seed + self.seeds)
             for dither in self.dithers
             for weight in self.weights_at(dither)
         ]

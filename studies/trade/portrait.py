@@ -54,7 +54,7 @@ class Imitation:
 
 
 def portrait(
-    policy: Policy, weight: float | None = None, *, holds: int = 2000, seeds: Sequence[int] = range(16)
+    policy: Policy, weight: float | None = None, *, holds: int = 2000, seeds: Sequence[int] = range(8)
 ) -> Portrait:
     """Watch a policy at work, once its start is forgotten.
 
@@ -88,7 +88,7 @@ def portrait(
     return Portrait(policy, weight, observations, commands, valves)
 
 
-def response(policy: Policy, weight: float | None = None, *, pairs: int = 512, seed: int = 0) -> NDArray[np.float64]:
+def response(policy: Policy, weight: float | None = None, *, pairs: int = 256, seed: int = 0) -> NDArray[np.float64]:
     """How often a policy commands otherwise for one flip of the valve, by the holds since.
 
     Parameters

@@ -2,29 +2,27 @@
 
 import json
 import re
-from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stickslip.commands import run
-from stickslip.crawler import Groups, Scene, simulate
+from stickslip.crawler import Groups, simulate
 from stickslip.demo import tour
-from stickslip.demo.classroom import Classroom, Lesson
 from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.reservoir import memory_capacity
 from stickslip.studies.benchmark import Record, run_benchmark, STANDARD_RESERVOIRS, table
+from stickslip.studies.trade.front import fronts
+from stickslip.studies.trade.plan import Cell, LIMIT, Trade, TRAINED
+from stickslip.studies.trade.report import areas
+from stickslip.studies.trade.report import table as table_of_front
+from stickslip.studies.trade.running import TradeFolder
 from stickslip.tasks import known_reservoirs, random_bits
-from stickslip.train import verdict
 from stickslip.train.evaluation import measure
-from stickslip.train.run import Configuration, Run
-from stickslip.train.schedules import necklaces, performance, repeat
-from stickslip.train.training import load_policy
 
 SEED = 3
-NOISY = {"memory_weight": 0.5, "dither": 0.1, "valve_history": 4}
-QUIET = {"memory_weight": 0.0, "dither": 0.0, "valve_history": 4}
+SMALL = {"weights": (0.0, 0.2), "longest": 3, "resolution": 6, "judges": 2, "holds": 1500, "conditioned": False}
 
 
 @pytest.fixture(scope="module")
@@ -38,13 +36,14 @@ def shown(tmp_path_factory):
             tour, "save_figure", lambda figure, file: (figures.update({file.name: figure}), save(figure, file))
         )
         patch.setattr(tour, "film", lambda *given, **named: (films.append((given, named)), film(*given, **named)))
+        patch.setattr(tour, "_TRADE", SMALL)
+        patch.setattr(tour, "processors", lambda: 1)
 
         def recording():
             printed.append(console(record=True, width=200))
             return printed[-1]
 
         patch.setattr(tour, "Console", recording)
-        patch.setattr(tour, "Classroom", partial(Classroom, judging=verdict.STANDARD))
         assert run(["demo", "--output", str(folder), "--steps", "600", "--seed", str(SEED)]) == 0
     return SimpleNamespace(
         folder=folder,
@@ -57,19 +56,11 @@ def shown(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def measured(shown):
-    """Its policies measured again, by the names that it shows."""
-    names = {"speed": "speed policy", "memory": "memory_weight = 0.5 policy"}
-    policies = {folder: load_policy(Run.open(shown.folder / "policies" / folder), trust=True) for folder in names}
-    return {
-        name: measure(policies[folder], StickSlipCrawlerEnv(**NOISY), steps=6000, seed=SEED)[0]
-        for folder, name in names.items()
-    } | {"quiet": measure(policies["speed"], StickSlipCrawlerEnv(**QUIET), steps=2000, seed=SEED)[0]}
-
-
-def open_loop(word, dither=0.1):
-    command, valve = repeat(word, 6000, dither=dither, seed=SEED)
-    return performance(command, valve, dither=dither, groups=Groups(), hold=0.5, scene=Scene(), delays=20)
+def trade(shown):
+    """The trade that it has kept."""
+    env_kwargs = {"hold": 0.5}
+    asked = Trade(**SMALL, dithers=(0.0, 0.1), seeds=1, first_seed=SEED, steps=600, env_kwargs=env_kwargs)
+    return TradeFolder(shown.folder / "trade", asked)
 
 
 def lines(figure):
@@ -78,17 +69,24 @@ def lines(figure):
 
 def test_the_folder_holds_what_the_page_shows(shown):
     named = re.findall(r'src="([^"]+)"', shown.page)
-    assert set(named) == {"trajectory.png", "memory.png", "trade.png", "gait.mp4"}
+    assert set(named) == {"trajectory.png", "memory.png", "trade.png", "learned.png", "gait.mp4"}
     assert all((shown.folder / name).stat().st_size > 1000 for name in named)
-    assert {path.name for path in shown.folder.iterdir()} == {*named, "index.html", "results.json", "policies"}
-    assert {path.name for path in (shown.folder / "policies").iterdir()} == {"speed", "memory"}
+    assert {path.name for path in shown.folder.iterdir()} == {*named, "index.html", "results.json", "trade"}
 
 
-def test_the_policies_are_those_of_the_seed_steps_and_rewards_asked_for(shown):
-    for name, arguments in (("speed", QUIET), ("memory", NOISY)):
-        kept = Run.open(shown.folder / "policies" / name).configuration
-        assert (kept.algorithm, kept.seed, kept.hyperparameters["n_timesteps"]) == ("ppo", SEED, 600)
-        assert kept.env_kwargs == arguments
+def test_the_policies_are_those_of_the_seed_steps_and_rewards_asked_for(trade):
+    trained = [cell for cell in trade.results() if cell.kind == TRAINED]
+    assert [(cell.dither, cell.weight, cell.seed) for cell in trained] == [
+        (0.0, 0.0, SEED),
+        (0.1, 0.0, SEED),
+        (0.1, 0.2, SEED),
+    ]
+    for cell in trained:
+        policy = trade.policy(cell)
+        assert policy.env_kwargs.items() >= {"dither": cell.dither, "memory_weight": cell.weight, "hold": 0.5}.items()
+        algorithm = policy.description["algorithm"]
+        assert (algorithm["name"], algorithm["seed"]) == ("ppo", SEED)
+        assert algorithm["hyperparameters"]["n_timesteps"] == 600
 
 
 def test_the_crawl_is_the_word_s_from_rest(shown):
@@ -142,52 +140,31 @@ def assert_shown(row, shown):
     assert " ".join(" ".join(row).split()) in words
 
 
-def test_the_trade_is_that_of_every_schedule_and_both_policies(shown, measured):
-    found = shown.results["open loop"]
-    assert list(found) == list(necklaces(7))
-    for word in ("1", "0", "11100", "1100100"):
-        again = open_loop(word)
-        assert found[word] == {
-            "speed": again.speed,
-            "memory capacity": again.memory.corrected,
-            "raw": again.memory.total,
-        }
-    policies = ("speed policy", "memory_weight = 0.5 policy")
-    assert shown.results["policies"] == {
-        name: {
-            "speed": measured[name].speed,
-            "memory capacity": measured[name].memory.corrected,
-            "raw": measured[name].memory.total,
-        }
-        for name in policies
-    }
+def test_the_trade_is_that_of_its_folder(shown, trade):
+    quiet, front = fronts(trade.trade, trade.results())
+    assert shown.results["trade"] == json.loads(json.dumps({"0.0": quiet.summary(), "0.1": front.summary()}))
+    for row in (*table_of_front(front), *areas(front)):
+        assert_shown(row, shown)
+    assert "speed against memory, dither 0.1, mean [95% interval] over 2 seeds" in shown.printed
     drawn = lines(shown.figures["trade.png"])
-    points = [[each["speed"], each["memory capacity"]] for each in found.values()]
-    assert drawn["open-loop schedules"].tolist() == points
-    for name in policies:
-        assert drawn[name].tolist() == [[measured[name].speed, measured[name].memory.corrected]]
-    fastest = max(found, key=lambda word: found[word]["speed"])
-    rows = {f"open loop {fastest}": found[fastest], "valve held open": found["1"], **shown.results["policies"]}
-    assert_shown(["schedule", "speed (z_c/t_c)", "memory capacity"], shown)
-    for name, numbers in rows.items():
-        assert_shown([name, f"{numbers['speed']:.3f}", f"{numbers['memory capacity']:.2f}"], shown)
-    assert "speed against memory, dither 0.1" in shown.printed
+    assert drawn["one policy a weight"].tolist() == [list(policy.mean) for policy in front.policies]
+    assert len(shown.figures["learned.png"].axes) == 4
 
 
-def test_the_learned_gait_is_measured_and_filmed_without_flips(shown, measured):
-    speed, best = measured["quiet"].speed, open_loop("11100", dither=0.0).speed
-    assert shown.results["speed policy without dither"] == speed
-    assert shown.results["word 11100 without dither"] == best > 1.05
+def test_the_learned_gait_is_measured_and_filmed_without_flips(shown, trade):
+    gait = trade.policy(Cell(TRAINED, 0.0, 0.0, SEED))
+    quiet = StickSlipCrawlerEnv(**gait.env_kwargs)
+    speed = measure(gait, quiet, steps=SMALL["holds"], seed=SEED)[0].speed
+    limit = np.mean(trade.results()[Cell(LIMIT, 0.0)]["speeds"])
     assert f"<b>{speed:.3f} z<sub>c</sub>/t<sub>c</sub></b>" in shown.page
-    assert f"{100 * speed / best:.1f}% of the best open-loop schedule, 11100" in shown.page
+    assert f"{100 * speed / limit:.1f}% of the fastest that is possible" in shown.page
     assert (
-        f"speed policy without dither: {speed:.4f} z_c/t_c, {speed / best:.1%} of the open-loop word 11100 ({best:.4f})"
+        f"speed policy without dither: {speed:.4f} z_c/t_c, {speed / limit:.1%} of the limit ({limit:.4f})"
     ) in shown.printed
     (((policy, file), named),) = shown.films
     assert file == shown.folder / "gait.mp4"
-    assert named == {"env_kwargs": QUIET, "seed": SEED}
-    again = measure(policy, StickSlipCrawlerEnv(**QUIET), steps=2000, seed=SEED)[0]
-    assert again.speed == speed
+    assert named == {"env_kwargs": gait.env_kwargs, "seed": SEED}
+    assert policy.description == gait.description
 
 
 def test_how_long_it_took_and_the_seed_are_told(shown):
@@ -197,36 +174,12 @@ def test_how_long_it_took_and_the_seed_are_told(shown):
     assert f"all of it in {took}: open {shown.folder / 'index.html'}" in shown.printed
 
 
-LESSONS = (Lesson("one", "one", QUIET), Lesson("other", "other", {**QUIET, "hold": 0.75}))
-SMALL = {"n_envs": 2, "n_steps": 4, "batch_size": 8, "policy": "MlpPolicy", "n_timesteps": 8}
-
-
-def test_a_classroom_trains_each_lesson_and_says_how_far_it_is(tmp_path, monkeypatch):
-    monkeypatch.setattr("stickslip.demo.classroom.read_hyperparameters", lambda *_: dict(SMALL))
-    console = tour.Console(record=True, width=100)
-    # What an interrupted demo left unfinished is gone on with; what was finished, or of other steps, is made anew.
-    for folder, steps in (("one", 8), ("other", 99)):
-        asked = Configuration(
-            env_kwargs=dict(zip(("one", "other"), (each.env_kwargs for each in LESSONS), strict=True))[folder],
-            hyperparameters=SMALL | {"n_timesteps": steps},
-            seed=SEED,
-        )
-        Run.create(tmp_path / folder, asked)
-        (tmp_path / folder / "note").touch()
-    with Classroom(tmp_path, LESSONS, SEED, None, verdict.STANDARD) as classroom:
-        classroom.show(console)
-    shown = console.export_text()
-    for lesson, kept in zip(LESSONS, (True, False), strict=True):
-        run = classroom.run(lesson)
-        assert run.folder == tmp_path / lesson.folder
-        assert run.configuration == Configuration(env_kwargs=lesson.env_kwargs, hyperparameters=SMALL, seed=SEED)
-        assert load_policy(run, run.final, trust=True).num_timesteps == 8
-        assert (run.folder / "note").exists() == kept
-        assert re.search(rf"training {lesson.name} +━{{40}} ", shown)
-
-
-def test_a_lesson_that_fails_ends_the_classroom(tmp_path, monkeypatch):
-    monkeypatch.setattr("stickslip.demo.classroom.read_hyperparameters", lambda *_: dict(SMALL))
-    (tmp_path / "one").touch()  # a file where the folder is to be
-    with Classroom(tmp_path, LESSONS[:1], SEED, 8) as classroom, pytest.raises(OSError, match="one"):
-        classroom.show(tour.Console(record=True))
+def test_a_demo_of_other_steps_takes_the_place_of_an_earlier_trade(tmp_path):
+    (tmp_path / "cells").mkdir()
+    for name, text in (("settings.json", '{"holds": 7}'), ("open-loop-dither-0.1.json", "{}")):
+        (tmp_path / "cells" / name).write_text(text, encoding="utf-8")
+    asked = Trade(**SMALL)
+    assert tour._folder(tmp_path, asked).results() == {}
+    (tmp_path / "policies" / "kept").touch()
+    tour._folder(tmp_path, asked)
+    assert (tmp_path / "policies" / "kept").exists()

@@ -85,6 +85,8 @@ def results(trade):
         if cell.kind == OPEN_LOOP:
             numbers = {"names": ["1", "110"], "speeds": [[0.1, 0.1], [0.7, 0.72]], "memories": [[4.0, 4.1], [2.0, 2.0]]}
             held = {"names": ["0", "1"], "speeds": [[0.0, 0.0], [0.1, 0.1]], "memories": [[3.0, 3.0], [4.0, 4.1]]}
+            if cell.dither == 0:
+                numbers, held = ({**each, "memories": [[0.0, 0.0]] * 2} for each in (numbers, held))
             found[cell] = {"front": numbers, "held": held}
         elif cell.kind == LIMIT:
             found[cell] = {"speeds": [0.84, 0.85]}
@@ -92,7 +94,7 @@ def results(trade):
             speed = 0.8 - 0.5 * cell.weight
             found[cell] = {
                 "speeds": [speed, speed + 0.01],
-                "memories": [2 + cell.weight, 2.1 + cell.weight],
+                "memories": [2 + cell.weight, 2.1 + cell.weight] if cell.dither else [0.0, 0.0],
                 "episodes": {"speeds": [speed, speed], "memories": [1.5, 1.5]},
             }
         else:
@@ -141,7 +143,10 @@ def test_what_is_written_says_what_was_found(tmp_path, monkeypatch):
     assert float(fast["speed"]) == pytest.approx(0.805)
     assert float(fast["lead"]) == pytest.approx(0.805 - 0.71)
     assert float(fast["episode_memory"]) == 1.5
-    told = json.loads((tmp_path / "front.json").read_text(encoding="utf-8"))["dithers"]["0.1"]
+    dithers = json.loads((tmp_path / "front.json").read_text(encoding="utf-8"))["dithers"]
+    assert set(dithers["0.0"]) == {"speed limit", "losses", "fastest"}  # without flips there is no memory
+    assert dithers["0.0"]["fastest"]["speed"]["mean"] == pytest.approx(0.805)
+    told = dithers["0.1"]
     assert told["policies"]["hypervolume"]["mean"] == area(found[1].policies).mean
     page = (tmp_path / "index.md").read_text(encoding="utf-8")
     assert "![Speed against memory capacity](front-0.1.png)" in page
