@@ -64,13 +64,24 @@ def finish(job: Job) -> Outcome:
 def _train(job: Job) -> Outcome:
     # torch takes seconds, and most cells do without
     from ...train.training import train
+    from ...train.verdict import Judging
 
     cell = job.cell
     assert cell.weight is not None
     assert cell.seed is not None
     with TemporaryDirectory(prefix="stickslip_") as folder:
-        run = train(job.trade.configuration(cell.dither, cell.weight, cell.seed), Path(folder))
+        # Of words the front tells more, and on the seeds that judge it.
+        judging = Judging(longest_word=1)
+        run = train(job.trade.configuration(cell.dither, cell.weight, cell.seed), Path(folder), judging=judging)
         return Outcome({}, read_policy(run.best_policy))
+
+
+def _train_conditioned(job: Job) -> Outcome:
+    from ...train.conditioned import train_conditioned
+
+    cell = job.cell
+    assert cell.seed is not None
+    return Outcome({}, train_conditioned(job.trade.conditioned_configuration(cell.dither, cell.seed)))
 
 
 def _open_loop(job: Job) -> Outcome:
@@ -145,6 +156,7 @@ def _numbers(judgement: Judgement) -> dict[str, Any]:
 
 _WORK: Mapping[str, Callable[[Job], Outcome]] = {
     TRAINED: _train,
+    CONDITIONED: _train_conditioned,
     OPEN_LOOP: _open_loop,
     LIMIT: _limit,
     JUDGED[TRAINED]: _judge,

@@ -51,6 +51,9 @@ _OWN = ("memory_weight", "dither", "randomize")
 _PROBED = 16
 # What a `Policy` can tell; a recurrent one has a memory of its own.
 _POLICY = "MlpPolicy"
+_ALGORITHM = "ppo"
+CONDITIONED_ENVIRONMENT = "StickSlipCrawlerMO-v0"
+"""Whose entry of a hyperparameter file is for the training of a policy for all weights."""
 
 
 class Cell(NamedTuple):
@@ -105,6 +108,8 @@ class Trade:
         Environment steps of each training, instead of the hyperparameters'.
     conditioned : bool
         Whether one policy for all weights is trained at each dither beside those for one.
+    conditioned_hyperparameters : mapping, optional
+        Of that training; those shipped for it by default, or, where `hyperparameters` are given, the same.
     longest : int, at least 1
         Bits of the longest open-loop words.
     resolution : int, in [6, 100]
@@ -125,10 +130,11 @@ class Trade:
     seeds: int = FULL["seeds"]
     first_seed: int = 0
     env_kwargs: Mapping[str, Any] = field(default_factory=dict)
-    algorithm: str = "ppo"
+    algorithm: str = _ALGORITHM
     hyperparameters: Mapping[str, Any] | None = None
     steps: int | None = None
-    conditioned: bool = False
+    conditioned: bool = True
+    conditioned_hyperparameters: Mapping[str, Any] | None = None
     longest: int = FULL["longest"]
     resolution: int = FULL["resolution"]
     judges: int = FULL["judges"]
@@ -152,12 +158,17 @@ class Trade:
             raise ValueError(f"algorithm must be one of {list(ALGORITHMS)}, got {self.algorithm!r}")
         if entry is None:
             entry = read_hyperparameters(self.algorithm, Configuration.environment)
-        entry = dict(entry)
-        if entry["policy"] != _POLICY:
-            raise ValueError(f"hyperparameters must have the policy {_POLICY}, got {entry['policy']!r}")
-        if self.steps is not None:
-            entry["n_timesteps"] = whole_number("steps", self.steps, 1)
-        object.__setattr__(self, "hyperparameters", entry)
+        of_all = self.conditioned_hyperparameters
+        if of_all is None:
+            given = self.hyperparameters is not None or self.algorithm != _ALGORITHM
+            of_all = entry if given else read_hyperparameters(self.algorithm, CONDITIONED_ENVIRONMENT)
+        for name, each in (("hyperparameters", entry), ("conditioned_hyperparameters", of_all)):
+            own = dict(each)
+            if own["policy"] != _POLICY:
+                raise ValueError(f"{name} must have the policy {_POLICY}, got {own['policy']!r}")
+            if self.steps is not None:
+                own["n_timesteps"] = whole_number("steps", self.steps, 1)
+            object.__setattr__(self, name, own)
         object.__setattr__(self, "env_kwargs", plain(self.env_kwargs))
         # What the environment refuses, it refuses here.
         StickSlipCrawlerEnv(**self.configuration(self.dithers[0], 0.0, 0).env_kwargs)
@@ -171,6 +182,15 @@ class Trade:
             seed=seed,
         )
 
+    def conditioned_configuration(self, dither: float, seed: int) -> Configuration:
+        """The configuration of a training for all weights."""
+        return Configuration(
+            algorithm=self.algorithm,
+            env_kwargs={**self.env_kwargs, "dither": dither},
+            hyperparameters=dict(self.conditioned_hyperparameters or {}),
+            seed=seed,
+        )
+
     @property
     def settings(self) -> dict[str, Any]:
         """What must be equal for cells to belong together, ready for JSON: all but which of them are asked for."""
@@ -178,6 +198,7 @@ class Trade:
             "env_kwargs": described(self.env_kwargs),
             "algorithm": self.algorithm,
             "hyperparameters": described(self.hyperparameters),
+            "conditioned_hyperparameters": described(self.conditioned_hyperparameters),
             "longest": self.longest,
             "resolution": self.resolution,
             "judges": self.judges,

@@ -101,6 +101,7 @@ DEFAULTS = {
         "algorithm": "ppo",
         "hyperparameters": None,
         "steps": None,
+        "conditioned": True,
         "longest": None,
         "resolution": None,
         "judges": None,

@@ -64,7 +64,15 @@ def test_a_trade_is_asked_for_option_by_option(asked, capsys, tmp_path):
     file.write_text(HYPERPARAMETERS, encoding="utf-8")
     command = f"trade --output {tmp_path} --weights 0,0.5 --dithers 0.05,0.2 --seeds 2 --hold 0.75 --algorithm a2c"
     command += f" --hyperparameters {file} --steps 90 --longest 5 --resolution 9 --judges 3 --holds 1200 --processes 3"
-    options = ["--groups", '{"duffing": 2}', "--env-kwargs", '{"delays": 3}', "--dask", "tcp://here"]
+    options = [
+        "--no-conditioned",
+        "--groups",
+        '{"duffing": 2}',
+        "--env-kwargs",
+        '{"delays": 3}',
+        "--dask",
+        "tcp://here",
+    ]
     assert run([*command.split(), *options]) == 0
     [(folder, trade, sharing)] = asked
     assert folder == tmp_path
@@ -76,6 +84,7 @@ def test_a_trade_is_asked_for_option_by_option(asked, capsys, tmp_path):
         env_kwargs={"hold": 0.75, "groups": {"duffing": 2}, "delays": 3},
         algorithm="a2c",
         hyperparameters=trade.hyperparameters,
+        conditioned=False,
         longest=5,
         resolution=9,
         judges=3,

@@ -41,6 +41,20 @@ def test_a_training_is_what_the_trade_says():
     configuration = trade.configuration(0.05, 0.3, 2)
     assert configuration.env_kwargs.items() >= {"dither": 0.05, "memory_weight": 0.3, "hold": 0.7}.items()
     assert (configuration.hyperparameters["n_timesteps"], configuration.seed) == (77, 2)
+    of_all = trade.conditioned_configuration(0.05, 4)
+    assert of_all.env_kwargs == {name: v for name, v in configuration.env_kwargs.items() if name != "memory_weight"}
+    assert (of_all.hyperparameters["n_timesteps"], of_all.seed) == (77, 4)
+
+
+def test_a_policy_for_all_weights_is_trained_by_its_own_hyperparameters_or_by_those_given():
+    shipped = Trade()
+    single, of_all = (shipped.hyperparameters["n_timesteps"], shipped.conditioned_hyperparameters["n_timesteps"])
+    assert of_all > single
+    given = {**shipped.hyperparameters, "n_timesteps": 5}
+    assert Trade(hyperparameters=given).conditioned_hyperparameters == given
+    assert Trade(hyperparameters=given, conditioned_hyperparameters={**given, "n_timesteps": 6}).settings != (
+        Trade(hyperparameters=given).settings
+    )
 
 
 def test_settings_say_all_but_which_cells_are_asked_for():
