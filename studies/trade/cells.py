@@ -1,6 +1,7 @@
 """The work of each cell: settings in, numbers out and perhaps a policy. Nothing is written here."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Lock
@@ -63,15 +64,15 @@ def finish(job: Job) -> Outcome:
 
 def _train(job: Job) -> Outcome:
     # torch takes seconds, and most cells do without
+    from ...train import verdict
     from ...train.training import train
-    from ...train.verdict import Judging
 
     cell = job.cell
     assert cell.weight is not None
     assert cell.seed is not None
     with TemporaryDirectory(prefix="stickslip_") as folder:
         # Of words the front tells more, and on the seeds that judge it.
-        judging = Judging(longest_word=1)
+        judging = replace(verdict.STANDARD, longest_word=1)
         run = train(job.trade.configuration(cell.dither, cell.weight, cell.seed), Path(folder), judging=judging)
         return Outcome({}, read_policy(run.best_policy))
 
