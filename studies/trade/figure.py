@@ -79,6 +79,7 @@ def plot_front(front: Front, *, weight: float = 0.2, ax: Axes | None = None) -> 
             points = _means(front.policies)
             ax.plot(*points.T, "o", ms=4.5, mec="white", mew=0.5, color=policy_color, zorder=4,
                     label="one policy a weight")  # fmt: skip
+            _bodies_share(ax, [front.policies[i] for i in pareto_front(points)], policy_color)
         knee = front.knee
         if knee is not None:
             ax.plot(*knee.mean, "o", ms=11, mfc="none", mec="black", mew=0.9, zorder=5)
@@ -89,6 +90,16 @@ def plot_front(front: Front, *, weight: float = 0.2, ax: Axes | None = None) -> 
         ax.set(xlabel="speed ($z_c / t_c$)", ylabel="memory capacity (holds)")
         ax.legend(loc="lower left", fontsize=_SMALL, handlelength=1.5, borderaxespad=0.3)
     return cast("Figure", ax.get_figure(root=True))
+
+
+def _bodies_share(ax: Axes, policies: Sequence[Point], color: str) -> None:
+    """Below each policy what its memory is with the feedback cut."""
+    shares = [(*point.mean, point.body_memories.mean()) for point in policies if point.body_memories is not None]
+    if not shares:
+        return
+    speeds, memories, bodies = np.transpose(shares)
+    ax.vlines(speeds, bodies, memories, color=color, lw=0.5, alpha=0.5, zorder=2)
+    ax.plot(speeds, bodies, "o", ms=3, mfc="white", mec=color, mew=0.7, zorder=3, label="its body's share of memory")
 
 
 def _means(points: Sequence[Point]) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from policies_by_hand import negation
 
 from stickslip.studies.trade import report
+from stickslip.studies.trade.figure import plot_front
 from stickslip.studies.trade.front import area, estimated, Front, fronts, gain, Point
 from stickslip.studies.trade.learned import Learned
 from stickslip.studies.trade.plan import Cell, CONDITIONED, JUDGED, LIMIT, OPEN_LOOP, Trade, TRAINED
@@ -161,3 +163,31 @@ def test_tables_have_a_row_a_policy_and_say_what_an_episode_pays():
     assert [row[0] for row in body if row[0].startswith("policy")] == ["policy seed 0"] * 3
     assert [row[-2] for row in body][-2] == "2.40 (80%)"
     assert all(set(row) == set(COLUMNS) for row in rows(a_front()))
+
+
+def test_the_figure_shows_every_point_and_what_bounds_them():
+    fast, between, slow = a_front().policies
+    policies = [replace(fast, body_memories=np.full(3, 1.0)), replace(between, body_memories=np.full(3, 1.5)), slow]
+    conditioned = [point(CONDITIONED, "c", 0.78, 2.1, weight=w, seed=0) for w in (0.5, 0.0)]
+    figure = plot_front(a_front(policies=policies, conditioned=conditioned), weight=0.25)
+    (ax,) = figure.axes
+    drawn = {line.get_label(): line.get_xydata() for line in ax.lines if not line.get_label().startswith("_")}
+    np.testing.assert_allclose(drawn["one policy a weight"], [each.mean for each in policies])
+    np.testing.assert_allclose(drawn["one policy for all weights"], [[0.78, 2.1]] * 2)
+    np.testing.assert_allclose(drawn["its body's share of memory"], [[0.8, 1.0], [0.7, 1.5]])
+    np.testing.assert_allclose(drawn["best open-loop words"], [[0.7, 2.0], [0.1, 4.0]])
+    unnamed = [line.get_xydata() for line in ax.lines if line.get_label().startswith("_")]
+    assert any(np.allclose(line[:, 0], 0.85) for line in unnamed)  # the limit
+    # Along the dotted lines the reward is the same.
+    dotted = [line.get_xydata() for line in ax.lines if line.get_linestyle() == ":" and len(line.get_xdata())]
+    assert len(dotted) == 6
+    for line in dotted:
+        assert np.ptp(0.75 * line[:, 0] + 0.25 * line[:, 1]) == pytest.approx(0)
+    assert {text.get_text() for text in ax.texts} == {"speed limit", "knee", "held open"}
+    assert ax.get_xlabel() == "speed ($z_c / t_c$)"
+    assert figure.get_size_inches()[0] == 3.5  # a column
+
+
+def test_there_is_no_figure_of_memory_without_flips():
+    with pytest.raises(ValueError, match="front must have a dither above 0 to have memory, got 0"):
+        plot_front(a_front(dither=0.0))

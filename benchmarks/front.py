@@ -1,0 +1,156 @@
+"""The front of speed against memory, in full: `stickslip trade` at four dithers, and the page that tells of it.
+
+Run ``python benchmarks/front.py``. The cells are kept in ``runs/front`` as they end, and a run that was stopped goes on
+where it stopped; ``--dask ADDRESS`` has a cluster do the work. What they came to is then kept in
+``benchmarks/results/front.json``, the tables are written into ``docs/trade.md`` and the README between their marks, and
+the figures are drawn into ``docs/images``.
+"""
+
+import argparse
+import json
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import numpy as np
+from measuring import keep, machine, refresh
+
+from stickslip.common.sharing import processors
+from stickslip.reservoir import Estimate
+from stickslip.studies.benchmark.report import as_markdown, cell
+from stickslip.studies.trade.front import estimated, Front, fronts, gain, Point
+from stickslip.studies.trade.learned import Learned, learned
+from stickslip.studies.trade.plan import FULL, Trade
+from stickslip.studies.trade.report import areas, figure_of, table, write_report
+from stickslip.studies.trade.running import TradeFolder
+
+ROOT = Path(__file__).parents[1]
+RESULTS = ROOT / "benchmarks" / "results" / "front.json"
+PAGE = ROOT / "docs" / "trade.md"
+IMAGES = ROOT / "docs" / "images"
+SHOWN = 0.1
+ASKED: dict[str, Any] = {**FULL, "dithers": (0.0, 0.05, SHOWN, 0.25), "env_kwargs": {"hold": 0.5}}
+
+
+def made_of(results: dict[str, Any]) -> list[Front]:
+    """The fronts of what is kept, one a dither."""
+    trade = Trade(**results["asked"])
+    return fronts(trade, {cell: results["cells"][cell.name] for stage in trade.cells() for cell in stage})
+
+
+def tables(results: dict[str, Any]) -> dict[str, str]:
+    """The page's tables, by their marks."""
+    found = made_of(results)
+    [shown] = [front for front in found if front.dither == SHOWN]
+    return {
+        "areas": as_markdown(areas(shown)),
+        "points": as_markdown(table(shown)),
+        "dithers": as_markdown(of_dithers(found)),
+        "registers": as_markdown(registers(results["registers"])),
+        "summary": as_markdown(summary(shown)),
+    }
+
+
+def of_dithers(found: list[Front]) -> list[list[str]]:
+    """Speeds and areas at every dither, under a row of headings."""
+    told = [
+        ["dither", "speed limit", "fastest policy", "% of the limit", "open loop, area", "policies, % above", "knee"]
+    ]
+    for front in found:
+        fastest, knee = front.fastest, front.knee
+        assert fastest is not None
+        noisy = front.dither > 0
+        told.append(
+            [
+                f"{front.dither:g}",
+                cell(front.speed_limit, 3),
+                cell(estimated(fastest.speeds), 3),
+                f"{100 * fastest.mean[0] / front.speed_limit.mean:.1f}",
+                areas(front)[1][1] if noisy else "",
+                cell(_percent(gain(front.policies, front.open_loop)), 0, "+") if noisy else "",
+                "" if knee is None else f"({knee.mean[0]:.2f}, {knee.mean[1]:.2f})",
+            ]
+        )
+    return told
+
+
+def registers(kept: dict[str, Any]) -> list[list[str]]:
+    """The registers that imitate the policies, under a row of headings."""
+    told = [["policy", "register's bits", "command after each past", "commands as the policy's", "speed", "memory"]]
+    for name, each in kept.items():
+        speeds, memories = (cell(estimated(np.array(each[values])), 3) for values in ("speeds", "memories"))
+        told.append([name, str(each["bits"]), each["table"], f"{each['agreement']:.1%}", speeds, memories])
+    return told
+
+
+def summary(front: Front) -> list[list[str]]:
+    """What drives the valve, in five rows under a row of headings."""
+    words = front.open_loop
+    knee, fastest = front.knee, front.fastest
+    assert knee is not None
+    assert fastest is not None
+    quickest = max(words, key=lambda point: point.mean[0])
+    [held] = [point for point in front.held if point.kind == "held open"]
+    rows: list[tuple[str, Point]] = [
+        (f"fastest open-loop word, {quickest.name}", quickest),
+        ("valve held open", held),
+        ("fastest policy", fastest),
+        (f"policy of the knee, memory_weight {knee.weight:g}", knee),
+    ]
+    told = [[f"what drives the valve, dither {front.dither:g}", "speed (z_c/t_c)", "memory capacity"]]
+    told += [[name, cell(estimated(point.speeds), 3), cell(estimated(point.memories))] for name, point in rows]
+    return [*told, ["the limit of speed, by dynamic programming", cell(front.speed_limit, 3), ""]]
+
+
+def main() -> None:
+    """Do what is left of the trade, and write it down."""
+    parser = argparse.ArgumentParser(description="The front of speed against memory.")
+    parser.add_argument("--folder", type=Path, default=ROOT / "runs" / "front")
+    parser.add_argument("--dask", default=None, help="address of a Dask scheduler")
+    chosen = parser.parse_args()
+    trade = Trade(**ASKED)
+    folder = TradeFolder(chosen.folder, trade)
+    for finished in folder.run(processes=processors(), dask=chosen.dask):
+        print(f"{finished.done}/{finished.of}", "" if finished.cell is None else finished.cell.name, flush=True)
+    found = folder.results()
+    write_report(folder, fronts(trade, found))
+    [shown] = [front for front in fronts(trade, found) if front.dither == SHOWN]
+    keep(
+        RESULTS,
+        {
+            "machine": machine("torch", "stable-baselines3"),
+            "asked": ASKED,
+            "cells": {cell.name: result for cell, result in found.items()},
+            "registers": _imitating(learned(folder, shown)),
+        },
+    )
+    made = tables(json.loads(RESULTS.read_text(encoding="utf-8")))
+    refresh(ROOT / "README.md", {"front": made.pop("summary")})
+    refresh(PAGE, made)
+    for name in ("front", "learned"):
+        shutil.copy(chosen.folder / figure_of(shown, name), IMAGES / f"{name}.png")
+
+
+def _imitating(seen: Learned | None) -> dict[str, Any]:
+    assert seen is not None
+    return {
+        name: {
+            "bits": bits,
+            "table": register.name,
+            "agreement": seen.imitations[name][bits].agreement,
+            "speeds": register.speeds.tolist(),
+            "memories": register.memories.tolist(),
+        }
+        for name, (bits, register) in seen.registers.items()
+    }
+
+
+def _percent(share: Estimate) -> Estimate:
+    return Estimate(100 * share.mean, 100 * share.low, 100 * share.high, share.runs)
+
+
+if __name__ == "__main__":
+    main()
