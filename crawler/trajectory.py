@@ -26,7 +26,7 @@ the crawler's place in the batch (0 for one)."""
 _ROUNDING = 1e-12
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """Sampled motion of one crawler, or of a batch.
 

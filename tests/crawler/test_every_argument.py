@@ -68,6 +68,11 @@ def initial_is_where_it_starts():
     assert chain.segment_deformation[:, 0] == pytest.approx([0.1, 0.3], abs=1e-4)
     assert chain.segment_velocity[:, 0] == pytest.approx([0.2, -0.5], abs=2e-3)
     assert [chain.pressure[0], chain.foot[0], chain.foot_velocity[0]] == pytest.approx([0.6, 5.0, 0.4], abs=2e-3)
+    assert [chain.deformation[0], chain.velocity[0]] == pytest.approx([0.4, -0.3], abs=1e-3)
+    # Of a State all segments are stretched alike.
+    alike = simulate({}, [1], SHORT, scene=CHAIN, initial=start)
+    assert alike.segment_deformation[:, 0] == pytest.approx([0.15, 0.15], abs=1e-4)
+    assert alike.segment_velocity[:, 0] == pytest.approx([-0.1, -0.1], abs=2e-3)
 
 
 def max_steps_is_the_budget():
