@@ -4,7 +4,7 @@ Run ``python benchmarks/training_outcomes.py``; ``--minutes 9`` begins no traini
 in ``benchmarks/results/training_outcomes.json`` as it ends, and a run that was stopped goes on where it stopped. A
 training is that of ``stickslip train``: the shipped hyperparameters of PPO, the defaults of the environment but for
 weight and dither, and the verdict that every training ends with, on fresh seeds over long runs. At the end the tables
-are written into ``docs/training.md`` between their marks.
+are written into ``docs/training.md`` between their marks, and say of how many trainings they are.
 """
 
 import argparse
@@ -154,17 +154,21 @@ def table_of_dithers(found: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def tables(found: dict[str, Any]) -> dict[str, str]:
+    """What the page shows, by the names of its marks."""
+    return {"outcomes": table_of_weights(found), "limits": table_of_dithers(found)}
+
+
 def main() -> None:
-    """Train what is missing; then print, and write when all is there."""
+    """Train what is missing; then print and write."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--minutes", type=float, default=float("inf"), help="Begin no training after so long.")
     found = measure(parser.parse_args().minutes)
-    made = {"outcomes": table_of_weights(found), "limits": table_of_dithers(found)}
+    made = tables(found)
     print("\n\n".join(made.values()))
     seconds = [one["seconds"]["processor"] for one in found.values()]
     print(f"\n{len(found)} of {len(trainings())} trainings; processor seconds of one: {spread(seconds)}")
-    if len(found) == len(trainings()):
-        refresh(PAGE, made)
+    refresh(PAGE, made)
 
 
 if __name__ == "__main__":

@@ -6,14 +6,17 @@ from pathlib import Path
 import learning_curves
 import numpy as np
 import ppo_speed
+import training_outcomes
 from measuring import refreshed
 
 PAGE = Path(learning_curves.PAGE).read_text(encoding="utf-8")
 
 
 def test_the_tables_are_those_of_the_results():
-    curves, speed = (json.loads(each.RESULTS.read_text(encoding="utf-8")) for each in (learning_curves, ppo_speed))
+    commands = learning_curves, ppo_speed, training_outcomes
+    curves, speed, trained = (json.loads(each.RESULTS.read_text(encoding="utf-8")) for each in commands)
     made = {"learning": learning_curves.table(curves), **ppo_speed.tables(speed)}
+    made |= training_outcomes.tables(trained["outcomes"])
     assert refreshed(PAGE, made) == PAGE
 
 
@@ -31,3 +34,45 @@ def test_ratios_are_those_of_the_same_round():
     found = ppo_speed.rates(seconds, {"first": 100, "second": 200})
     assert found["second"]["times"] == [4.0, 4.0, 4.0]
     assert found["first"]["frames per second"][1] == 50.0
+
+
+def outcome(reward, best="held open", still=False):
+    """Of a policy with this reward, where held open earns 2 and the word 3 or 1."""
+    runs = {"held open": 2.0, "held shut": 0.5, "best word": 3.0 if best == "best word" else 1.0}
+    return {
+        "policy": {"speed": 0.25, "memory": 4.0, "reward": reward},
+        **{name: {"speed": 0.0, "memory": 0.0, "reward": each} for name, each in runs.items()},
+        "best baseline": best,
+        "word": "110",
+        "loses": reward < runs[best],
+        "holds still": still,
+    }
+
+
+def test_outcomes_are_counted_by_weight_and_in_all():
+    found = {
+        "0.0/0.1/0": outcome(2.5, "best word"),
+        "0.0/0.1/4": outcome(3.5, "best word"),
+        "1.0/0.1/0": outcome(2.0, still=True),
+        "0.0/0.25/0": outcome(9.0),  # of another dither
+    }
+    assert training_outcomes.table_of_weights(found).splitlines()[2:] == [
+        "| 0 | 0.250 ± 0.000 | 4.000 ± 0.000 | 3.000 ± 0.707 | the word 110 | 3.000 | 0 | 1 of 2 |",
+        "| 1 | 0.250 | 4.000 | 2.000 | held open | 2.000 | 1 | 0 of 1 |",
+        "| all | | | | | | 1 | 1 of 3 [1%, 91%] |",
+    ]
+    assert training_outcomes.table_of_dithers(found).splitlines()[2:] == [
+        "| 0.1 | 0.250 ± 0.000 | 29.7% | 0.841 | 2 |",
+        "| 0.25 | 0.250 | 44.6% | 0.561 | 1 |",
+    ]
+
+
+def test_every_weight_is_trained_once_before_one_is_trained_again():
+    order = [each.seed for each in training_outcomes.trainings()]
+    assert order == sorted(order)
+    cells = {(each.weight, each.dither) for each in training_outcomes.trainings() if each.seed == 0}
+    assert cells == {(0.0, 0.1), (0.1, 0.1), (0.2, 0.1), (0.3, 0.1), (0.5, 0.1), (0.7, 0.1), (1.0, 0.1)} | {
+        (0.0, 0.0),
+        (0.0, 0.05),
+        (0.0, 0.25),
+    }
