@@ -136,8 +136,10 @@ def test_another_s_run_goes_on_only_where_it_is_trusted(run, monkeypatch, tmp_pa
         train(further, run.folder, resume=True, vec_env=SHORT)
     done = train(further, run.folder, resume=True, trust=True, vec_env=SHORT)
     assert done.latest_checkpoint() == run.checkpoint(64)
-    # What was written since is the user's own.
-    train(configuration(96, **SMALL), run.folder, resume=True, vec_env=SHORT)
+    # What was written since is the user's own, and what was there is still another's.
+    read_pickle(run.checkpoint(64), trust=False, own=True)
+    with pytest.raises(ValueError, match=r"32_steps\.zip must be trusted"):
+        read_pickle(run.checkpoint(32), trust=False, own=True)
 
 
 def test_what_a_crash_kept_from_being_evaluated_is_evaluated_again(run):
