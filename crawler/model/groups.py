@@ -158,6 +158,9 @@ PRESETS: dict[str, Groups] = {
     "high-damping": Groups(damping_ratio=0.5),
     "aggressive-forcing": Groups(duffing=5.0, radial_coupling=0.5),
     "extreme-fluid-lag": Groups(deborah=5.0),
+    "fast-valve": Groups(deborah=0.1),
+    "low-friction": Groups(static_friction=0.15, kinetic_friction=0.1),
 }
-"""Named groups. The first equals :meth:`Actuator.ecoflex` made dimensionless; the last three are this
-package's numbers for the paper's three named conditions, for which it states none."""
+"""Named groups. The first equals :meth:`Actuator.ecoflex` made dimensionless; "high-damping" to "extreme-fluid-lag" are
+this package's numbers for the paper's three named conditions, for which it states none. With the last two, looking at
+the valve gains most in area of speed and memory (`docs/trade_limits.md`)."""

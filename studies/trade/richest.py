@@ -37,6 +37,14 @@ class Place:
     registers: Judgement
 
     @property
+    def added(self) -> Estimate:
+        """Hypervolume that registers add to that of the open-loop front, from (0, 0), and its interval."""
+        schedules = len(self.open_loop.names)
+        return jackknifed(
+            lambda points: hypervolume(points) - hypervolume(points[:schedules]), joined(self.open_loop, self.registers)
+        )
+
+    @property
     def gain(self) -> Estimate:
         """Share by which registers enlarge the hypervolume of the open-loop front, from (0, 0), and its interval."""
         schedules = len(self.open_loop.names)

@@ -227,6 +227,8 @@ def test_the_presets():
         "high-damping": {"damping_ratio": 0.5},
         "aggressive-forcing": {"duffing": 5.0, "radial_coupling": 0.5},
         "extreme-fluid-lag": {"deborah": 5.0},
+        "fast-valve": {"deborah": 0.1},
+        "low-friction": {"static_friction": 0.15, "kinetic_friction": 0.1},
     }
 
 

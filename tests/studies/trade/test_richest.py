@@ -20,6 +20,7 @@ def judgement(points, seeds=(1, 2, 3), spread=0.0):
 def test_the_gain_is_the_share_by_which_the_area_grows():
     place = Place({}, judgement([(1.0, 1.0), (0.5, 2.0)]), judgement([(0.8, 2.0)]))
     assert place.gain.mean == pytest.approx(1.8 / 1.5 - 1.0)
+    assert place.added.mean == pytest.approx(0.3)
 
 
 def test_registers_that_are_dominated_gain_nothing():
@@ -41,6 +42,15 @@ def test_judgements_of_other_seeds_are_not_joined():
 def test_a_place_has_the_fronts_of_its_conditions():
     [(index, found)] = richest([{"dither": 0.3}], longest=2, bits=1, seeds=1, holds=1500, screening_holds=200)
     assert (index, found.env_kwargs) == (0, {"dither": 0.3})
-    alone = performance(*repeat("1", 1500, dither=0.3, seed=found.registers.seeds[0]), dither=0.3, **BODY)
-    assert alone.memory.corrected == found.registers.memories[found.registers.names.index("11")][0]
+    word = next(name for name in found.open_loop.names if set(name) <= {"0", "1"})
+    alone = performance(*repeat(word, 1500, dither=0.3, seed=found.open_loop.seeds[0]), dither=0.3, **BODY)
+    assert alone.memory.corrected == found.open_loop.memories[found.open_loop.names.index(word)][0]
+    assert found.registers.seeds == found.open_loop.seeds
     assert found.gain.mean >= 0.0
+
+
+@pytest.mark.slow
+def test_with_the_liveliest_presets_registers_add_more_than_by_default():
+    found = dict(richest([{"groups": name} for name in ("ecoflex-00-30", "fast-valve", "low-friction")]))
+    assert found[1].added.low > found[0].added.high
+    assert found[2].added.low > found[0].added.high
