@@ -110,8 +110,8 @@ def write_page(asked: argparse.Namespace, equivalents: Equivalents) -> None:
         "machine": machine("pytest", "hypothesis"),
         "command": f"python benchmarks/mutation.py --seed {asked.seed} --minutes N",
         "seed": asked.seed,
-        "revisions": {folder: revisions[folder] for folder in FOLDERS if folder in revisions},
-        "folders": {folder: folders[folder] for folder in FOLDERS if folder in folders},
+        "revisions": {folder: revisions.get(folder, "none yet") for folder in FOLDERS},
+        "folders": {folder: folders.get(folder, []) for folder in FOLDERS},
         "equivalent": list(equivalents.entries),
     }
     keep(RESULTS, results)

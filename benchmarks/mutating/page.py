@@ -73,7 +73,7 @@ def _by_folder(folders: Mapping[str, Sequence[Mapping[str, Any]]], revisions: Ma
     columns = "faults | noticed | of these by a hang | survived | no test reaches | equivalent | score | aim | revision"
     rows = [f"| folder | {columns} |", "|---|---:|---:|---:|---:|---:|---:|---:|---:|---|"]
     for name, faults in folders.items():
-        rows.append(f"| `{name}/` | {_counts(faults)} | {AIMS.get(name, AIM):.0%} | `{revisions[name]}` |")
+        rows.append(f"| `{name}/` | {_counts(faults)} | {AIMS.get(name, AIM):.0%} | {revisions[name]} |")
     rows.append(f"| all | {_counts([fault for faults in folders.values() for fault in faults])} | | |")
     return "\n".join(rows)
 

@@ -221,8 +221,8 @@ def test_the_page_says_what_was_noticed_and_what_was_not():
     same = {"file": "a.py", "before": "b", "after": "c", "reason": "Because."}
     results |= {"revisions": {"tasks": "0123456789", "train": "abcdef"}, "equivalent": [same]}
     text = page(results)
-    assert "| `tasks/` | 5 | 2 | 1 | 2 | 1 | 1 | 50% [15%, 85%] | 90% | `0123456789` |" in text
-    assert "| `train/` | 0 | 0 | 0 | 0 | 0 | 0 | - | 90% | `abcdef` |" in text
+    assert "| `tasks/` | 5 | 2 | 1 | 2 | 1 | 1 | 50% [15%, 85%] | 90% | 0123456789 |" in text
+    assert "| `train/` | 0 | 0 | 0 | 0 | 0 | 0 | - | 90% | abcdef |" in text
     assert "| number | 4 | 50% [15%, 85%] |" in text
     assert "- `tasks/a.py:3` (number): `x = 1` became `x = 0`" in text
     assert (
