@@ -1,7 +1,8 @@
 """The front of speed against memory, in full: `stickslip trade` at four dithers, and the page that tells of it.
 
 Run ``python benchmarks/front.py``. The cells are kept in ``runs/front`` as they end, and a run that was stopped goes on
-where it stopped; ``--dask ADDRESS`` has a cluster do the work. What they came to is then kept in
+where it stopped; ``--dask ADDRESS`` has a cluster do the work. ``--weights``, ``--dithers`` and ``--seeds`` take a part
+of it, which a later run adds to. What they came to is then kept in
 ``benchmarks/results/front.json``, the tables are written into ``docs/trade.md`` and the README between their marks, and
 the figures are drawn into ``docs/images``.
 """
@@ -110,10 +111,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="The front of speed against memory.")
     parser.add_argument("--folder", type=Path, default=ROOT / "runs" / "front")
     parser.add_argument("--dask", default=None, help="address of a Dask scheduler")
+    parser.add_argument("--processes", type=int, default=processors())
+    parser.add_argument("--weights", type=float, nargs="+", default=ASKED["weights"])
+    parser.add_argument("--dithers", type=float, nargs="+", default=ASKED["dithers"])
+    parser.add_argument("--seeds", type=int, default=ASKED["seeds"])
     chosen = parser.parse_args()
-    trade = Trade(**ASKED)
+    asked = {**ASKED, "weights": chosen.weights, "dithers": chosen.dithers, "seeds": chosen.seeds}
+    trade = Trade(**asked)
     folder = TradeFolder(chosen.folder, trade)
-    for finished in folder.run(processes=processors(), dask=chosen.dask):
+    for finished in folder.run(processes=chosen.processes, dask=chosen.dask):
         print(f"{finished.done}/{finished.of}", "" if finished.cell is None else finished.cell.name, flush=True)
     found = folder.results()
     write_report(folder, fronts(trade, found))
@@ -122,7 +128,7 @@ def main() -> None:
         RESULTS,
         {
             "machine": machine("torch", "stable-baselines3"),
-            "asked": ASKED,
+            "asked": asked,
             "cells": {cell.name: result for cell, result in found.items()},
             "registers": _imitating(learned(folder, shown)),
         },

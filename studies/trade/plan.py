@@ -34,7 +34,7 @@ FULL: Mapping[str, Any] = {
 
 QUICK: Mapping[str, Any] = {
     **FULL,
-    "weights": (0.0, 0.1, 0.2, 0.5, 1.0),
+    "weights": (0.0, 0.1, 0.2, 1.0),
     "seeds": 1,
     "longest": 8,
     "resolution": 16,
