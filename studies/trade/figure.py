@@ -20,6 +20,11 @@ __all__ = ["plot_front"]
 _COLUMN = (3.5, 3.3)  # inches: a journal's column
 _SMALL = 7
 _ISO_LINES = 6
+_CAPACITIES = {
+    "memory": "memory capacity (holds)",
+    "parity": "capacity for products of flips",
+    "narma": "capacity for the NARMA series",
+}
 
 
 def plot_front(front: Front, *, weight: float = 0.2, ax: Axes | None = None) -> Figure:
@@ -87,7 +92,7 @@ def plot_front(front: Front, *, weight: float = 0.2, ax: Axes | None = None) -> 
         held_open = next(point for point in front.held if point.kind == "held open")
         ax.plot(*held_open.mean, "D", ms=4, color="0.25", zorder=3)
         ax.annotate("held open", held_open.mean, xytext=(6, 4), textcoords="offset points", fontsize=_SMALL)
-        ax.set(xlabel="speed ($z_c / t_c$)", ylabel="memory capacity (holds)")
+        ax.set(xlabel="speed ($z_c / t_c$)", ylabel=_CAPACITIES[front.target])
         ax.legend(loc="lower left", fontsize=_SMALL, handlelength=1.5, borderaxespad=0.3)
     return cast("Figure", ax.get_figure(root=True))
 

@@ -60,7 +60,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Front:
-    """All that a trade came to at one dither."""
+    """All that a trade came to at one dither; the target is what its memory is of, as in the environment."""
 
     dither: float
     open_loop: Sequence[Point]
@@ -68,6 +68,7 @@ class Front:
     policies: Sequence[Point]
     conditioned: Sequence[Point]
     limit: Mapping[str, Any]
+    target: str = "memory"
 
     @property
     def points(self) -> list[Point]:
@@ -167,10 +168,10 @@ def fronts(trade: Trade, results: Mapping[Cell, Any]) -> list[Front]:
     list of Front
         One a dither.
     """
-    return [_front(dither, results) for dither in trade.dithers]
+    return [_front(dither, results, trade.world(dither).target) for dither in trade.dithers]
 
 
-def _front(dither: float, results: Mapping[Cell, Any]) -> Front:
+def _front(dither: float, results: Mapping[Cell, Any], target: str) -> Front:
     of = {cell: result for cell, result in results.items() if cell.dither == dither}
     open_loop = of[Cell(OPEN_LOOP, dither)]
     return Front(
@@ -180,6 +181,7 @@ def _front(dither: float, results: Mapping[Cell, Any]) -> Front:
         [_policy(TRAINED, cell, result) for cell, result in of.items() if cell.kind == JUDGED[TRAINED]],
         [_policy(CONDITIONED, cell, result) for cell, result in of.items() if cell.kind == JUDGED[CONDITIONED]],
         of[Cell(LIMIT, dither)],
+        target,
     )
 
 

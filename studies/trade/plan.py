@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from ...common.fingerprint import described, rounded
 from ...common.validation import known_names, number_within, whole_number
 from ...envs import StickSlipCrawlerEnv
+from ...envs.settings import Settings
 from ...envs.specification import plain
 from ...train.algorithms import ALGORITHMS
 from ...train.hyperparameters import read_hyperparameters
@@ -170,8 +171,7 @@ class Trade:
                 own["n_timesteps"] = whole_number("steps", self.steps, 1)
             object.__setattr__(self, name, own)
         object.__setattr__(self, "env_kwargs", plain(self.env_kwargs))
-        # What the environment refuses, it refuses here.
-        StickSlipCrawlerEnv(**self.configuration(self.dithers[0], 0.0, 0).env_kwargs)
+        self.world(self.dithers[0])  # what the environment refuses, it refuses here
 
     def configuration(self, dither: float, weight: float, seed: int) -> Configuration:
         """The configuration of a training."""
@@ -181,6 +181,10 @@ class Trade:
             hyperparameters=dict(self.hyperparameters or {}),
             seed=seed,
         )
+
+    def world(self, dither: float) -> Settings:
+        """The environment at a dither, as its settings."""
+        return Settings.of(**self.configuration(dither, 0.0, 0).env_kwargs)
 
     def conditioned_configuration(self, dither: float, seed: int) -> Configuration:
         """The configuration of a training for all weights."""

@@ -9,7 +9,6 @@ from typing import Any
 
 from ...common.figures import save_figure
 from ...common.files import atomically
-from ...envs import StickSlipCrawlerEnv
 from ...reservoir.bootstrap import Estimate
 from ..benchmark.report import as_markdown, cell
 from .figure import plot_front
@@ -136,7 +135,7 @@ def _corners(words: Sequence[Point]) -> list[Point]:
 
 
 def _page(trade: Trade, fronts: Sequence[Front], looked_at: Mapping[float, Learned | None]) -> str:
-    hold = StickSlipCrawlerEnv(**trade.configuration(fronts[0].dither, 0.0, 0).env_kwargs).settings.hold
+    hold = trade.world(fronts[0].dither).hold
     parts = [
         "# Distance against memory",
         f"Hold {hold:g}. Everything is judged on {trade.judges} seeds that no training saw, over runs of {trade.holds}"

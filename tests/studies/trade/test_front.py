@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from policies_by_hand import negation
 
+from stickslip.reservoir.targets import TARGETS
 from stickslip.studies.trade import report
 from stickslip.studies.trade.figure import plot_front
 from stickslip.studies.trade.front import area, estimated, Front, fronts, gain, Point
@@ -184,8 +185,19 @@ def test_the_figure_shows_every_point_and_what_bounds_them():
     for line in dotted:
         assert np.ptp(0.75 * line[:, 0] + 0.25 * line[:, 1]) == pytest.approx(0)
     assert {text.get_text() for text in ax.texts} == {"speed limit", "knee", "held open"}
-    assert ax.get_xlabel() == "speed ($z_c / t_c$)"
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed ($z_c / t_c$)", "memory capacity (holds)")
     assert figure.get_size_inches()[0] == 3.5  # a column
+
+
+def test_a_figure_names_what_the_memory_is_of():
+    trade = Trade(weights=(0.0,), env_kwargs={"target": "parity"}, seeds=1, conditioned=False)
+    [front] = fronts(trade, results(trade))
+    assert plot_front(front).axes[0].get_ylabel() == "capacity for products of flips"
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_there_is_a_name_for_every_target(target):
+    assert plot_front(a_front(target=target)).axes[0].get_ylabel()
 
 
 def test_there_is_no_figure_of_memory_without_flips():
