@@ -25,7 +25,7 @@ night: $(VENV)/interop-ready
 
 # Jobs of others' libraries, which the development install does without.
 peers: $(VENV)/peers-ready
-	$(BIN)/python -m pytest -m "slow or not slow" tests/benchmarks/test_peers.py
+	$(BIN)/python -m pytest -m "slow or not slow" tests/benchmarks/test_peers.py tests/benchmarks/test_batch_peers.py
 
 # Faults put into the code, and whether the tests notice: hours for all; more options in the script.
 mutation: $(VENV)/ready

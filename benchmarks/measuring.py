@@ -6,7 +6,7 @@ import os
 import platform
 import re
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from datetime import datetime, UTC
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -25,7 +25,7 @@ TURN = 0.01  # least seconds of work that one timing spans
 
 
 def take_turns(
-    works: Mapping[str, Callable[[], object]], rounds: int, budget: float = 60.0
+    works: Mapping[str, Callable[[], object]], rounds: int, budget: float = 60.0, elsewhere: Collection[str] = ()
 ) -> dict[str, dict[int, float]]:
     """Seconds that each work took, by round.
 
@@ -40,6 +40,8 @@ def take_turns(
         Of the works that take least.
     budget : float
         Seconds after which a work sits rounds out; it has three at least.
+    elsewhere : collection of str
+        Works that other processes do: their times are the wall's.
 
     Returns
     -------
@@ -48,7 +50,7 @@ def take_turns(
     """
     repeats, every = {}, {}
     for name, work in works.items():
-        once = _seconds(work, 1)
+        once = _seconds(work, 1, name in elsewhere)
         repeats[name] = max(1, math.ceil(TURN / once))
         turns = max(min(3, rounds), min(rounds, int(budget / (once * repeats[name]))))
         every[name] = rounds // turns
@@ -56,7 +58,7 @@ def take_turns(
     for turn in range(rounds):
         for name in list(works)[:: 1 if turn % 2 == 0 else -1]:
             if turn % every[name] == 0:
-                seconds[name][turn] = _seconds(works[name], repeats[name])
+                seconds[name][turn] = _seconds(works[name], repeats[name], name in elsewhere)
     return seconds
 
 
@@ -118,8 +120,9 @@ def quartiles(values: Sequence[float]) -> list[float]:
     return [float(value) for value in np.quantile(values, [0.25, 0.5, 0.75])]
 
 
-def _seconds(work: Callable[[], object], repeats: int) -> float:
+def _seconds(work: Callable[[], object], repeats: int, elsewhere: bool) -> float:
     wall, process = time.perf_counter(), time.process_time()
     for _ in range(repeats):
         work()
-    return min(time.perf_counter() - wall, time.process_time() - process) / repeats
+    wall, process = time.perf_counter() - wall, time.process_time() - process
+    return (wall if elsewhere else min(wall, process)) / repeats
