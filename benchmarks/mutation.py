@@ -1,14 +1,15 @@
 """Faults put into the code one at a time, and how many of them the tests notice.
 
 Run ``python benchmarks/mutation.py --folder tasks --count 40 --seed 1``. Each fault is something that somebody could
-have written: a comparison, sign or number that is off, an argument forgotten or in the wrong place, a label swapped, a
-copy, refusal or store left out (`benchmarks/mutating/operators.py`). Lines are drawn alike, and a fault of each. It is
-tried in a throw-away copy of the checkout, by the tests of its folder, those that reach its line first; with
-``--thorough`` by those of the folders above too where nothing noticed. Results go to ``runs/mutation/trials.jsonl`` as
-they come, and what was tried with the same module and tests is not tried again. ``--list`` only prints the faults;
-``--changed main`` takes those of the lines changed since a revision. Without ``--folder`` or ``--only`` all folders are
-tried, ``--minutes`` bounds each. ``--page`` writes ``docs/mutation.md`` from what was tried: of the folder that is
-asked for, or of all, the first faults of the seed, as many as have a result with the modules and tests of now.
+have written: a comparison, sign or number that is off, an argument forgotten or in the wrong place, a label or field
+swapped, a copy, refusal or store left out (`benchmarks/mutating/operators.py`). Lines are drawn alike, and a fault of
+each. It is tried in a throw-away copy of the checkout, by the tests of its folder, those that reach its line first;
+with ``--thorough`` by those of the folders above too where nothing noticed. Results go to
+``runs/mutation/trials.jsonl`` as they come, and what was tried with the same module and tests is not tried again.
+``--list`` only prints the faults; ``--changed main`` takes those of the lines changed since a revision. Without
+``--folder`` or ``--only`` all folders are tried, ``--minutes`` bounds each. ``--page`` writes ``docs/mutation.md`` from
+what was tried: of the folder that is asked for, or of all, the first faults of the seed, as many as have a result with
+the modules and tests of now.
 
 Why not a tool that is there: mutmut 3 calls every function through a trampoline that chooses the variant at run time,
 which numba cannot compile, and copies the folders it is told without the links by which this package is put together.

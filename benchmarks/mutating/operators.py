@@ -213,6 +213,15 @@ def label_swapped(source: Source, node: ast.AST) -> Iterator[Edit]:
     yield from _swapped(source, labels)
 
 
+def field_swapped(source: Source, node: ast.AST) -> Iterator[Edit]:
+    match node:
+        case ast.Attribute(value=ast.Name(id=name), attr=field, ctx=ast.Load()) if field in source.fields.get(name, ()):
+            fields = source.fields[name]
+            other = fields[(fields.index(field) + 1) % len(fields)]
+            if other != field:
+                yield source.end(node) - len(field.encode()), source.end(node), other.encode()
+
+
 def copy_removed(source: Source, node: ast.AST) -> Iterator[Edit]:
     match node:
         case ast.Call(func=ast.Attribute(value=value, attr="copy"), args=[], keywords=[]):
@@ -277,6 +286,7 @@ OPERATORS: dict[str, Callable[[Source, ast.AST], Iterator[Edit]]] = {
     "keyword dropped": keyword_dropped,
     "arguments swapped": arguments_swapped,
     "label swapped": label_swapped,
+    "field swapped": field_swapped,
     "copy removed": copy_removed,
     "function changed": function_changed,
     "order reversed": order_reversed,

@@ -22,6 +22,22 @@ class Source:
         self.tree = ast.parse(text)
 
     @cached_property
+    def fields(self) -> dict[str, list[str]]:
+        """What is read of each name in the module, sorted, but for modules and methods."""
+        modules = {
+            alias.asname or alias.name
+            for node in ast.walk(self.tree)
+            if isinstance(node, ast.Import | ast.ImportFrom)
+            for alias in node.names
+        }
+        methods = {id(node.func) for node in ast.walk(self.tree) if isinstance(node, ast.Call)}
+        found: dict[str, set[str]] = {}
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Attribute) and id(node) not in methods and isinstance(node.value, ast.Name):
+                found.setdefault(node.value.id, set()).add(node.attr)
+        return {name: sorted(fields) for name, fields in found.items() if name not in modules}
+
+    @cached_property
     def _begins(self) -> list[int]:
         begins = [0]
         for line in self.text.splitlines(keepends=True):

@@ -30,6 +30,8 @@ CASES = {
     "arguments swapped": ("f(a, (b), 'text', mass=c, width=d)", {"f(b, (a), 'text', mass=c, width=d)"}
                           | {"f(a, (b), 'text', mass=d, width=c)"}),
     "label swapped": ("x = {'é': 1, 'b': 2}, a in ('c', 'd')", {"x = {'b': 1, 'é': 2}, a in ('c', 'd')"}),
+    "field swapped": ("import m\nx = é.lo, é.hi, é.f(1), b.lo, m.lo", {"import m\nx = é.hi, é.hi, é.f(1), b.lo, m.lo"}
+                      | {"import m\nx = é.lo, é.lo, é.f(1), b.lo, m.lo"}),
     "copy removed": ("x = (a).copy(), np.array(c)", {"x = (a), np.array(c)", "x = (a).copy(), np.asarray(c)"}),
     "function changed": ("x = np.mean(a)", {"x = np.sum(a)"}),
     "order reversed": ("x = sorted(a)", {"x = sorted(a, reverse=True)"}),
