@@ -12,7 +12,7 @@ from .crawler import Groups, Scene, simulate
 from .crawler.solvers import SOLVERS
 from .envs import StickSlipCrawlerEnv
 from .envs.batch_kernel import STEP_BATCH
-from .reservoir import EchoStateNetwork, RecursiveLeastSquares
+from .reservoir import EchoStateNetwork, RecursiveLeastSquares, target_series
 from .reservoir.prequential import PrequentialMemory
 from .tasks import lorenz
 
@@ -58,6 +58,7 @@ def uses() -> Iterator[tuple[str, Callable[[], object]]]:
     yield "episodes drawn", partial(_batch, {"groups": _LINEAR, "randomize": {"deborah": (0.3, 0.7)}})
     yield "recursive least squares", _readout
     yield "memory reward", _memory_reward
+    yield "reward's target", partial(target_series, [0.0], "parity", 2, 0.1)
     yield "echo-state network", partial(EchoStateNetwork(1).states, [0.0])
     yield "Lorenz's flow", partial(lorenz, 1)
 

@@ -478,6 +478,7 @@ def test_what_is_compiled_ahead_is_every_order_of_every_kind():
         "simulate, chain of segments",
         "recursive least squares",
         "memory reward",
+        "reward's target",
         "echo-state network",
         "Lorenz's flow",
     }
