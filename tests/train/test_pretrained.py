@@ -87,6 +87,16 @@ def test_a_shipped_policy_is_evaluated_by_its_name(capsys, monkeypatch, tmp_path
         assert capsys.readouterr().err.startswith(message)
 
 
+def test_the_policy_of_every_weight_is_as_good_as_those_it_was_distilled_from():
+    for each in stickslip.pretrained("conditioned").scores["weights"]:
+        w = each["weight"]
+        rewards = [
+            (1 - w) * scores["speed"]["mean"] + w * scores["memory"]["mean"]
+            for scores in (each, *(stickslip.pretrained(name).scores for name in ("speed", "knee", "memory")))
+        ]
+        assert rewards[0] > 0.97 * max(rewards[1:]), w
+
+
 def test_what_is_not_shipped_is_refused():
     with pytest.raises(ValueError, match=r"name has no 'octopus'; allowed are \['"):
         stickslip.pretrained("octopus")
