@@ -68,4 +68,6 @@ def test_the_front_is_that_of_independent_code():
     assert found.fastest == "11100111000"  # of the necklace of 00011100111
     assert found.front.speed(found.fastest).mean == pytest.approx(0.763, abs=0.01)
     assert found.front.memory(found.fastest).mean == pytest.approx(1.75, abs=0.03)
-    assert found.front.points[found.front.names.index("1")] == pytest.approx([0.106, 3.98], abs=0.03)
+    speed, memory = found.front.points[found.front.names.index("1")]
+    assert speed == pytest.approx(0.106, abs=0.005)
+    assert memory == pytest.approx(3.98, abs=0.08)  # which the readouts of shorter runs come to
