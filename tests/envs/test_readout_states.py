@@ -15,7 +15,7 @@ NAME = "StickSlipCrawler-v0"
 def test_the_capacity_of_the_states_told_is_the_offline_capacity_of_the_run():
     env = StickSlipCrawlerEnv(delays=6)
     env.reset(seed=1)
-    command = np.resize([1, 1, 1, 0, 0], 1400)
+    command = np.resize([1, 1, 1, 0, 0], 1700)
     states, innovations, valves = [], [], []
     for each in command.tolist():
         *_, info = env.step(each)
