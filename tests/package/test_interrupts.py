@@ -71,6 +71,7 @@ COMMANDS = {
     "bench by two": ["--length", "2000", "--seeds", "20", "--processes", "2"],
     "train": ["--steps", "500000"],
     "demo": [],
+    "trade": ["--longest", "4", "--resolution", "8", "--judges", "2", "--holds", "2000", "--seeds", "1"],
 }
 
 
@@ -218,7 +219,8 @@ def test_a_command_interrupted_at_any_moment(tmp_path, name, attempt):
             {"--seeds": "1", "--length": "1500", "--tasks": "memory capacity"},
         ),
         ("train", "checkpoints/[!.]*.zip", {"--steps": "60000"}),
-        ("demo", "policies/speed/checkpoints/[!.]*.zip", {"--steps": "60000"}),
+        ("demo", "trade/cells/[!.]*-*.json", {"--steps": "60000"}),
+        ("trade", "cells/[!.]*-*.json", {"--steps": "20000", "--weights": "0,0.2"}),
     ],
 )
 def test_the_way_on_ends_what_was_begun(tmp_path, monkeypatch, name, first, shorter):
@@ -231,5 +233,5 @@ def test_the_way_on_ends_what_was_begun(tmp_path, monkeypatch, name, first, shor
     printed, said = again.communicate(timeout=600)
     assert again.returncode == 0, said
     assert printed
-    if name in ("bench", "train", "demo"):
+    if name in ("bench", "train", "demo", "trade"):
         assert kept == {file: file.read_bytes() for file in kept}  # finished once
