@@ -2,9 +2,9 @@
 
 Run ``python benchmarks/front.py``. The cells are kept in ``runs/front`` as they end, and a run that was stopped goes on
 where it stopped; ``--dask ADDRESS`` has a cluster do the work. ``--weights``, ``--dithers`` and ``--seeds`` take a part
-of it, which a later run adds to. What they came to is then kept in
-``benchmarks/results/front.json``, the tables are written into ``docs/trade.md`` and the README between their marks, and
-the figures are drawn into ``docs/images``.
+of it, which a later run adds to; ``--quick`` makes the front of ``stickslip trade --quick`` instead. What they came to
+is then kept in ``benchmarks/results/front.json``, the tables are written into ``docs/trade.md`` and the README between
+their marks, and the figures are drawn into ``docs/images``.
 """
 
 import argparse
@@ -24,7 +24,7 @@ from stickslip.reservoir import Estimate
 from stickslip.studies.benchmark.report import as_markdown, cell
 from stickslip.studies.trade.front import estimated, Front, fronts, gain, Point
 from stickslip.studies.trade.learned import Learned, learned
-from stickslip.studies.trade.plan import FULL, Trade
+from stickslip.studies.trade.plan import FULL, QUICK, Trade
 from stickslip.studies.trade.report import areas, figure_of, table, write_report
 from stickslip.studies.trade.running import TradeFolder
 
@@ -47,12 +47,21 @@ def tables(results: dict[str, Any]) -> dict[str, str]:
     found = made_of(results)
     [shown] = [front for front in found if front.dither == SHOWN]
     return {
+        "asked": asked_in_words(Trade(**results["asked"])),
         "areas": as_markdown(areas(shown)),
         "points": as_markdown(table(shown)),
         "dithers": as_markdown(of_dithers(found)),
         "registers": as_markdown(registers(results["registers"])),
-        "summary": as_markdown(summary(shown)),
     }
+
+
+def asked_in_words(trade: Trade) -> str:
+    """What everything is judged on."""
+    trainings = "one training" if trade.seeds == 1 else f"{trade.seeds} trainings"
+    return (
+        f"All are means over {trade.judges} seeds that no training, search or choice has seen, runs of {trade.holds}"
+        f" holds each, with 95% intervals. Words have up to {trade.longest} bits; there is {trainings} a weight."
+    )
 
 
 def of_dithers(found: list[Front]) -> list[list[str]]:
@@ -112,11 +121,17 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, default=ROOT / "runs" / "front")
     parser.add_argument("--dask", default=None, help="address of a Dask scheduler")
     parser.add_argument("--processes", type=int, default=processors())
-    parser.add_argument("--weights", type=float, nargs="+", default=ASKED["weights"])
-    parser.add_argument("--dithers", type=float, nargs="+", default=ASKED["dithers"])
-    parser.add_argument("--seeds", type=int, default=ASKED["seeds"])
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--weights", type=float, nargs="+")
+    parser.add_argument("--dithers", type=float, nargs="+")
+    parser.add_argument("--seeds", type=int)
     chosen = parser.parse_args()
-    asked = {**ASKED, "weights": chosen.weights, "dithers": chosen.dithers, "seeds": chosen.seeds}
+    said = {name: getattr(chosen, name) for name in ("weights", "dithers", "seeds")}
+    asked = {
+        **ASKED,
+        **(QUICK if chosen.quick else {}),
+        **{name: each for name, each in said.items() if each is not None},
+    }
     trade = Trade(**asked)
     folder = TradeFolder(chosen.folder, trade)
     for finished in folder.run(processes=chosen.processes, dask=chosen.dask):
@@ -133,9 +148,8 @@ def main() -> None:
             "registers": _imitating(learned(folder, shown)),
         },
     )
-    made = tables(json.loads(RESULTS.read_text(encoding="utf-8")))
-    refresh(ROOT / "README.md", {"front": made.pop("summary")})
-    refresh(PAGE, made)
+    refresh(PAGE, tables(json.loads(RESULTS.read_text(encoding="utf-8"))))
+    refresh(ROOT / "README.md", {"front": as_markdown(summary(shown))})
     for name in ("front", "learned"):
         shutil.copy(chosen.folder / figure_of(shown, name), IMAGES / f"{name}.png")
 

@@ -1,6 +1,5 @@
-"""Make the pages' pictures: ``python docs/pictures.py``, after ``make demo``, whose ``runs/demo`` it takes two from."""
+"""Make the pages' pictures: ``python docs/pictures.py``, after ``make demo``, for the clip in ``runs/demo``."""
 
-import shutil
 from pathlib import Path
 
 import gymnasium as gym
@@ -18,9 +17,8 @@ IMAGES = Path("docs/images")
 
 
 def main() -> None:
-    """Copy the figure of the trade, cut the clip down to a short animation, and draw four crawlers of many."""
+    """Cut the demo's clip down to a short animation, and draw four crawlers of many."""
     if DEMO.exists():
-        shutil.copy(DEMO / "trade.png", IMAGES / "trade.png")
         with VideoFileClip(str(DEMO / "gait.mp4")) as clip:
             # Three cycles of the gait, from where the start is forgotten.
             clip.subclipped(2.0, 2.5).with_speed_scaled(0.4).resized(width=640).write_gif(
