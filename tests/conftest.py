@@ -4,8 +4,12 @@ import os
 
 import pytest
 from hypothesis import settings
+from matplotlib import pyplot as plt
 
 from stickslip.train import verdict
+
+# `gymnasium.utils.play` asks for a window when it is imported, but not where figures have a backend already.
+plt.switch_backend("agg")
 
 # A search that does not differ from run to run can be trusted to pass again; one that does finds more (`make night`),
 # and prints how to reproduce what it finds.
