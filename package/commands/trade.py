@@ -31,7 +31,7 @@ def trade(
     algorithm: Annotated[str, typer.Option(help="Whose policies have no memory of their own, such as ppo.")] = "ppo",
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in rl-baselines3-zoo's form.")] = None,
     steps: Annotated[int | None, typer.Option(help="Environment steps of each training, not the file's.")] = None,
-    conditioned: Annotated[bool, typer.Option(help="Also train one policy for all weights.")] = True,
+    conditioned: Annotated[bool, typer.Option(help="Also distil one policy for all weights.")] = True,
     longest: Annotated[int | None, typer.Option(help="Bits of the longest open-loop words.")] = None,
     resolution: Annotated[int | None, typer.Option(help="Of the grid that the speed limit is found on.")] = None,
     judges: Annotated[int | None, typer.Option(help="Seeds that everything is judged on.")] = None,

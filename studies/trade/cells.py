@@ -30,8 +30,8 @@ class Job(NamedTuple):
 
     trade: Trade
     cell: Cell
-    policy: Policy | None = None
-    """What is judged."""
+    policies: tuple[Policy, ...] = ()
+    """What is judged, or distilled."""
 
 
 class Outcome(NamedTuple):
@@ -77,12 +77,11 @@ def _train(job: Job) -> Outcome:
         return Outcome({}, read_policy(run.best_policy))
 
 
-def _train_conditioned(job: Job) -> Outcome:
-    from ...train.conditioned import train_conditioned
+def _distil(job: Job) -> Outcome:
+    from ...train.distilled import distil
 
-    cell = job.cell
-    assert cell.seed is not None
-    return Outcome({}, train_conditioned(job.trade.conditioned_configuration(cell.dither, cell.seed)))
+    assert job.cell.seed is not None
+    return Outcome({}, distil(job.policies, seed=job.cell.seed))
 
 
 def _open_loop(job: Job) -> Outcome:
@@ -118,8 +117,7 @@ def _limit(job: Job) -> Outcome:
 
 
 def _judge(job: Job) -> Outcome:
-    policy, weight = job.policy, job.cell.weight
-    assert policy is not None
+    [policy], weight = job.policies, job.cell.weight
     assert weight is not None
     seeds = held_out_seeds(job.trade.judges)
     acting = policy.at(weight) if policy.conditioned else policy
@@ -157,7 +155,7 @@ def _numbers(judgement: Judgement) -> dict[str, Any]:
 
 _WORK: Mapping[str, Callable[[Job], Outcome]] = {
     TRAINED: _train,
-    CONDITIONED: _train_conditioned,
+    CONDITIONED: _distil,
     OPEN_LOOP: _open_loop,
     LIMIT: _limit,
     JUDGED[TRAINED]: _judge,

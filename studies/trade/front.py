@@ -82,16 +82,16 @@ class Front:
 
     @property
     def fastest(self) -> Point | None:
-        """The policy of most speed: of those for one weight, if there are any."""
-        return max(self.policies or self.conditioned, key=lambda point: point.mean[0], default=None)
+        """The policy of most speed among those for one weight."""
+        return max(self.policies, key=lambda point: point.mean[0], default=None)
 
     @property
     def knee(self) -> Point | None:
-        """The policy farthest above the chord between the fastest and the one of most memory.
+        """The policy for one weight that is farthest above the chord between the fastest and the one of most memory.
 
-        Of those for one weight, if there are any; None where none is above it.
+        None where none is above it.
         """
-        candidates = [*(self.policies or self.conditioned)]
+        candidates = list(self.policies)
         if not candidates:
             return None
         means = np.array([point.mean for point in candidates])

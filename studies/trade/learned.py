@@ -58,8 +58,7 @@ def learned(folder: TradeFolder, front: Front) -> Learned | None:
     if not chosen:
         return None
     policies = {
-        name: folder.policy(Cell(point.kind, front.dither, point.weight if point.kind == TRAINED else None, point.seed))
-        for name, point in chosen.items()
+        name: folder.policy(Cell(TRAINED, front.dither, point.weight, point.seed)) for name, point in chosen.items()
     }
     portraits = {name: portrait(policies[name], point.weight) for name, point in chosen.items()}
     imitations = {name: {bits: imitation(each, bits) for bits in _BITS} for name, each in portraits.items()}

@@ -1,7 +1,9 @@
 """The plan of a trade, as data: what is asked for, and the independent cells of work that it takes."""
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 from typing import Any, NamedTuple
 
 from ...common.fingerprint import described, rounded
@@ -52,18 +54,17 @@ _OWN = ("memory_weight", "dither", "randomize")
 _PROBED = 16
 # What a `Policy` can tell; a recurrent one has a memory of its own.
 _POLICY = "MlpPolicy"
-_ALGORITHM = "ppo"
-CONDITIONED_ENVIRONMENT = "StickSlipCrawlerMO-v0"
-"""Whose entry of a hyperparameter file is for the training of a policy for all weights."""
 
 
 class Cell(NamedTuple):
-    """One piece of work, which depends on the trade's settings and on nothing else but a policy that it judges."""
+    """One piece of work, which depends on the trade's settings and on nothing else but policies that others train."""
 
     kind: str
     dither: float
     weight: float | None = None
     seed: int | None = None
+    of: str | None = None
+    """Which policies a conditioned one is distilled from, as a digest."""
 
     @property
     def name(self) -> str:
@@ -73,6 +74,8 @@ class Cell(NamedTuple):
             parts.append(f"weight-{self.weight!r}")
         if self.seed is not None:
             parts.append(f"seed-{self.seed}")
+        if self.of is not None:
+            parts.append(f"of-{self.of}")
         return "-".join(parts)
 
     @property
@@ -81,7 +84,7 @@ class Cell(NamedTuple):
         kind = next((kind for kind, judged in JUDGED.items() if judged == self.kind), None)
         if kind is None:
             return None
-        return Cell(kind, self.dither, self.weight if kind == TRAINED else None, self.seed)
+        return Cell(kind, self.dither, self.weight if kind == TRAINED else None, self.seed, self.of)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,9 +111,7 @@ class Trade:
     steps : int, optional
         Environment steps of each training, instead of the hyperparameters'.
     conditioned : bool
-        Whether one policy for all weights is trained at each dither beside those for one.
-    conditioned_hyperparameters : mapping, optional
-        Of that training; those shipped for it by default, or, where `hyperparameters` are given, the same.
+        Whether one policy for all weights is distilled at each dither from those for one.
     longest : int, at least 1
         Bits of the longest open-loop words.
     resolution : int, in [6, 100]
@@ -131,11 +132,10 @@ class Trade:
     seeds: int = FULL["seeds"]
     first_seed: int = 0
     env_kwargs: Mapping[str, Any] = field(default_factory=dict)
-    algorithm: str = _ALGORITHM
+    algorithm: str = "ppo"
     hyperparameters: Mapping[str, Any] | None = None
     steps: int | None = None
     conditioned: bool = True
-    conditioned_hyperparameters: Mapping[str, Any] | None = None
     longest: int = FULL["longest"]
     resolution: int = FULL["resolution"]
     judges: int = FULL["judges"]
@@ -159,17 +159,12 @@ class Trade:
             raise ValueError(f"algorithm must be one of {list(ALGORITHMS)}, got {self.algorithm!r}")
         if entry is None:
             entry = read_hyperparameters(self.algorithm, Configuration.environment)
-        of_all = self.conditioned_hyperparameters
-        if of_all is None:
-            given = self.hyperparameters is not None or self.algorithm != _ALGORITHM
-            of_all = entry if given else read_hyperparameters(self.algorithm, CONDITIONED_ENVIRONMENT)
-        for name, each in (("hyperparameters", entry), ("conditioned_hyperparameters", of_all)):
-            own = dict(each)
-            if own["policy"] != _POLICY:
-                raise ValueError(f"{name} must have the policy {_POLICY}, got {own['policy']!r}")
-            if self.steps is not None:
-                own["n_timesteps"] = whole_number("steps", self.steps, 1)
-            object.__setattr__(self, name, own)
+        entry = dict(entry)
+        if entry["policy"] != _POLICY:
+            raise ValueError(f"hyperparameters must have the policy {_POLICY}, got {entry['policy']!r}")
+        if self.steps is not None:
+            entry["n_timesteps"] = whole_number("steps", self.steps, 1)
+        object.__setattr__(self, "hyperparameters", entry)
         object.__setattr__(self, "env_kwargs", plain(self.env_kwargs))
         self.world(self.dithers[0])  # what the environment refuses, it refuses here
 
@@ -186,15 +181,6 @@ class Trade:
         """The environment at a dither, as its settings."""
         return Settings.of(**self.configuration(dither, 0.0, 0).env_kwargs)
 
-    def conditioned_configuration(self, dither: float, seed: int) -> Configuration:
-        """The configuration of a training for all weights."""
-        return Configuration(
-            algorithm=self.algorithm,
-            env_kwargs={**self.env_kwargs, "dither": dither},
-            hyperparameters=dict(self.conditioned_hyperparameters or {}),
-            seed=seed,
-        )
-
     @property
     def settings(self) -> dict[str, Any]:
         """What must be equal for cells to belong together, ready for JSON: all but which of them are asked for."""
@@ -202,7 +188,6 @@ class Trade:
             "env_kwargs": described(self.env_kwargs),
             "algorithm": self.algorithm,
             "hyperparameters": described(self.hyperparameters),
-            "conditioned_hyperparameters": described(self.conditioned_hyperparameters),
             "longest": self.longest,
             "resolution": self.resolution,
             "judges": self.judges,
@@ -225,21 +210,26 @@ class Trade:
         """
         making = [Cell(OPEN_LOOP, dither) for dither in self.dithers]
         making += [Cell(LIMIT, dither) for dither in self.dithers]
+        making += [cell for dither in self.dithers for cell in self.teachers(dither)]
+        distilling = []
         if self.conditioned:
-            making += [Cell(CONDITIONED, dither, seed=self.first_seed) for dither in self.dithers if dither > 0]
-        making += [
-            Cell(TRAINED, dither, weight, seed)
-            for seed in range(self.first_seed, self.first_seed + self.seeds)
-            for dither in self.dithers
-            for weight in self.weights_at(dither)
-        ]
+            distilling = [self._distilled(dither) for dither in self.dithers if dither > 0]
         judging = []
-        for cell in making:
+        for cell in (*distilling, *making):
             if cell.kind == TRAINED:
                 judging.append(cell._replace(kind=JUDGED[TRAINED]))
             elif cell.kind == CONDITIONED:
                 judging += [cell._replace(kind=JUDGED[CONDITIONED], weight=weight) for weight in self.weights]
-        return [making, judging]
+        return [making, distilling, judging]
+
+    def teachers(self, dither: float) -> list[Cell]:
+        """The trainings at a dither, of which the policy for all weights is distilled."""
+        seeds = range(self.first_seed, self.first_seed + self.seeds)
+        return [Cell(TRAINED, dither, weight, seed) for seed in seeds for weight in self.weights_at(dither)]
+
+    def _distilled(self, dither: float) -> Cell:
+        names = json.dumps([cell.name for cell in self.teachers(dither)])
+        return Cell(CONDITIONED, dither, None, self.first_seed, sha256(names.encode()).hexdigest()[:8])
 
     def weights_at(self, dither: float) -> tuple[float, ...]:
         """Weights of memory that mean something at a dither."""

@@ -10,7 +10,7 @@ from ...common.jobs import as_done
 from ...common.kept import Kept
 from ...train.policies import Policy, read_policy, write_policy
 from .cells import finish, Job, Outcome
-from .plan import Cell, Trade
+from .plan import Cell, CONDITIONED, Trade
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -100,11 +100,17 @@ class TradeFolder:
         yield Finished(done, total, None)
         for stage in stages:
             left = [cell for cell in stage if cell not in finished]
-            jobs = [Job(self.trade, cell, cell.judges and self.policy(cell.judges)) for cell in left]
+            jobs = [Job(self.trade, cell, tuple(map(self.policy, self._needed(cell)))) for cell in left]
             for index, outcome in as_done(finish, jobs, processes=processes, dask=dask):
                 self._keep(left[index], outcome)
                 done += 1
                 yield Finished(done, total, left[index])
+
+    def _needed(self, cell: Cell) -> list[Cell]:
+        """Cells whose policies a cell works on."""
+        if cell.kind == CONDITIONED:
+            return self.trade.teachers(cell.dither)
+        return [] if cell.judges is None else [cell.judges]
 
     def _keep(self, cell: Cell, outcome: Outcome) -> None:
         # The policy first: what has a result is finished.

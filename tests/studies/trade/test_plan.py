@@ -9,23 +9,26 @@ from stickslip.studies.trade.plan import Cell, CONDITIONED, FULL, JUDGED, LIMIT,
 
 def test_cells_are_all_that_is_asked_for_and_each_judgement_comes_after_what_it_judges():
     trade = Trade(weights=(0.2, 0.0), dithers=(0.0, 0.1), seeds=2, conditioned=True)
-    making, judging = trade.cells()
+    making, distilling, judging = trade.cells()
     assert making == [
         Cell(OPEN_LOOP, 0.0),
         Cell(OPEN_LOOP, 0.1),
         Cell(LIMIT, 0.0),
         Cell(LIMIT, 0.1),
-        Cell(CONDITIONED, 0.1, None, 0),
-        *(Cell(TRAINED, *of, seed) for seed in (0, 1) for of in ((0.0, 0.0), (0.1, 0.0), (0.1, 0.2))),
+        *(Cell(TRAINED, 0.0, 0.0, seed) for seed in (0, 1)),
+        *(Cell(TRAINED, 0.1, weight, seed) for seed in (0, 1) for weight in (0.0, 0.2)),
     ]
-    assert len({cell.name for cell in making + judging}) == len(making) + len(judging)
+    [distilled] = distilling
+    assert distilled[:4] == (CONDITIONED, 0.1, None, 0)
+    assert trade.teachers(0.1) == making[6:]
+    assert len({cell.name for cell in making + distilling + judging}) == len(making) + 1 + len(judging)
     judged = [cell.judges for cell in judging]
-    assert set(judged) == {cell for cell in making if cell.kind in JUDGED}
-    assert judged.count(Cell(CONDITIONED, 0.1, None, 0)) == 2  # once a weight
+    assert set(judged) == {cell for cell in making + distilling if cell.kind in JUDGED}
+    assert judged.count(distilled) == 2  # once a weight
     assert all(cell.judges is None for cell in making)
     without = Trade(weights=(0.2, 0.0), dithers=(0.0, 0.1), seeds=2, conditioned=False).cells()
     assert [cell for stage in without for cell in stage] == [
-        cell for stage in (making, judging) for cell in stage if "conditioned" not in cell.kind
+        cell for stage in (making, distilling, judging) for cell in stage if "conditioned" not in cell.kind
     ]
 
 
@@ -41,20 +44,12 @@ def test_a_training_is_what_the_trade_says():
     configuration = trade.configuration(0.05, 0.3, 2)
     assert configuration.env_kwargs.items() >= {"dither": 0.05, "memory_weight": 0.3, "hold": 0.7}.items()
     assert (configuration.hyperparameters["n_timesteps"], configuration.seed) == (77, 2)
-    of_all = trade.conditioned_configuration(0.05, 4)
-    assert of_all.env_kwargs == {name: v for name, v in configuration.env_kwargs.items() if name != "memory_weight"}
-    assert (of_all.hyperparameters["n_timesteps"], of_all.seed) == (77, 4)
 
 
-def test_a_policy_for_all_weights_is_trained_by_its_own_hyperparameters_or_by_those_given():
-    shipped = Trade()
-    single, of_all = (shipped.hyperparameters["n_timesteps"], shipped.conditioned_hyperparameters["n_timesteps"])
-    assert of_all > single
-    given = {**shipped.hyperparameters, "n_timesteps": 5}
-    assert Trade(hyperparameters=given).conditioned_hyperparameters == given
-    assert Trade(hyperparameters=given, conditioned_hyperparameters={**given, "n_timesteps": 6}).settings != (
-        Trade(hyperparameters=given).settings
-    )
+def test_a_policy_of_other_teachers_is_another(tmp_path):
+    names = {Trade(weights=weights, seeds=seeds).cells()[1][0].name for weights in ((0.0,), (0.1,)) for seeds in (1, 2)}
+    assert len(names) == 4
+    assert Trade(weights=(0.0,), seeds=1).cells()[1] == Trade(weights=(0.0,), seeds=1).cells()[1]
 
 
 def test_settings_say_all_but_which_cells_are_asked_for():

@@ -35,8 +35,10 @@ def work(monkeypatch):
                 raise KeyboardInterrupt
             self.done[job.cell] += 1
             if job.cell.kind in (TRAINED, CONDITIONED):
+                teachers = job.trade.teachers(job.cell.dither) if job.cell.kind == CONDITIONED else []
+                assert len(job.policies) == len(teachers)
                 return Outcome({}, policy(len(job.cell.name) + 100 * (job.cell.weight or 0)))
-            return Outcome({"judged": None if job.policy is None else number_of(job.policy)})
+            return Outcome({"judged": [number_of(policy) for policy in job.policies]})
 
     work = Work()
     monkeypatch.setattr(running, "finish", work)
@@ -61,7 +63,7 @@ def test_every_cell_is_done_once_and_judged_by_its_own_policy(tmp_path, work):
     assert work.done == Counter(cells)
     for cell, result in folder.results().items():
         if cell.judges is not None:
-            assert result["judged"] == number_of(folder.policy(cell.judges))
+            assert result["judged"] == [number_of(folder.policy(cell.judges))]
     assert list(TradeFolder(tmp_path, trade).run()) == [(len(cells), len(cells), None)]
     assert work.done == Counter(cells)
 
