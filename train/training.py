@@ -16,10 +16,11 @@ from ..common.threads import library_threads
 from ..envs import StickSlipCrawlerEnv
 from . import verdict
 from .algorithms import algorithm_class
+from .evaluation import Acting
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .hyperparameters import resolve
 from .long_runs import of_policy, of_words
-from .policies.files import write_policy
+from .policies.files import read_policy, WEIGHTS, write_policy
 from .policies.from_model import policy_of
 from .run import Configuration, Run
 from .still import hold_still
@@ -172,11 +173,9 @@ def train(
                         tb_log_name=configuration.algorithm,
                     )
                     keeper.keep()
-                if or_still:
-                    _keep_still_if_better(run, judging, trust)
             write_pickle(run.final, model.save)
             if remaining > 0 or not (folder / verdict.REPORT).exists():
-                _judge(run, judging, trust)
+                _judge(run, model, judging, or_still=or_still, trust=trust)
     finally:
         environments.close()
     return run
@@ -208,26 +207,34 @@ def load_policy(run: Run, file: Path | None = None, *, trust: bool = False) -> B
     return _load(run.configuration, file, read_pickle(file, trust=trust))
 
 
-def _best_of_own(run: Run, trust: bool) -> BaseAlgorithm:
-    """The best policy of a run that this user trained, or trusts."""
-    return _load(run.configuration, run.best, read_pickle(run.best, trust=trust, own=True))
+def _best_of_own(run: Run, trust: bool) -> "Acting | None":
+    """The best policy of a run, of plain numbers if it has such a form; None if it sees something else than is shown.
+
+    What is plain may be read whoever wrote it; a zip must be this user's, or trusted.
+    """
+    if run.best_policy.with_name(run.best_policy.name + WEIGHTS).exists():
+        return read_policy(run.best_policy)
+    model = _load(run.configuration, run.best, read_pickle(run.best, trust=trust, own=True))
+    shown = StickSlipCrawlerEnv(**run.configuration.env_kwargs).observation_space
+    return model if model.observation_space == shown else None
 
 
-def _keep_still_if_better(run: Run, judging: Judging, trust: bool) -> None:
-    """Let the best policy of a run be the valve held still, where that earns more on the seeds of the evaluations."""
-    policy, arguments = _best_of_own(run, trust), run.configuration.env_kwargs
-    if not _sees_the_environment(policy, arguments):
-        return
+def _keep_still_if_better(run: Run, policy: Acting, model: BaseAlgorithm, judging: Judging) -> None:
+    """Let the best policy of a run be the valve held still, where that earns more on the seeds of the evaluations.
+
+    The model, of which nothing else is needed any more, becomes that policy.
+    """
+    arguments = run.configuration.env_kwargs
     seeds = range(_EVALUATION_SEED, _EVALUATION_SEED + judging.seeds)
     length: dict[str, Any] = {"seeds": seeds, "steps": judging.steps, "burn_in": judging.burn_in}
     own = of_policy(policy, arguments, **length).reward.mean()
     still = of_words(["0", "1"], arguments, **length)
     if max(each.reward.mean() for each in still) > own:
         best = int(still[1].reward.mean() > still[0].reward.mean())
-        hold_still(policy, best)
+        hold_still(model, best)
         means = {name: {"mean": float(each.mean())} for name, each in still[best]._asdict().items()}
         measured = "per step, in one long run a seed, once under way"
-        _keep_as_best(run, policy, {"measured": measured, "seeds": list(seeds), **means})
+        _keep_as_best(run, model, {"measured": measured, "seeds": list(seeds), **means})
 
 
 def _keep_as_best(run: Run, model: BaseAlgorithm, scores: dict[str, Any]) -> None:
@@ -238,16 +245,14 @@ def _keep_as_best(run: Run, model: BaseAlgorithm, scores: dict[str, Any]) -> Non
         write_policy(policy_of(model, run.configuration, scores), run.best_policy)
 
 
-def _sees_the_environment(policy: BaseAlgorithm, arguments: dict[str, Any]) -> bool:
-    """Whether a policy, trained in environments of the caller's making, can act in the package's own."""
-    return bool(policy.observation_space == StickSlipCrawlerEnv(**arguments).observation_space)
-
-
-def _judge(run: Run, judging: Judging, trust: bool) -> None:
+def _judge(run: Run, model: BaseAlgorithm, judging: Judging, *, or_still: bool, trust: bool) -> None:
     """Write down what the best policy of a run came to beside what needs no training."""
-    policy, arguments = _best_of_own(run, trust), run.configuration.env_kwargs
-    if _sees_the_environment(policy, arguments):
-        verdict.write_verdict(verdict.judge(policy, arguments, judging), run.folder)
+    policy = _best_of_own(run, trust)
+    if policy is not None and or_still:
+        _keep_still_if_better(run, policy, model, judging)
+        policy = _best_of_own(run, trust)
+    if policy is not None:
+        verdict.write_verdict(verdict.judge(policy, run.configuration.env_kwargs, judging), run.folder)
 
 
 def _load(configuration: Configuration, file: Path, content: BytesIO, env: VecEnv | None = None) -> BaseAlgorithm:
