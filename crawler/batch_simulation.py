@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from threading import Event
 from typing import Any, NamedTuple
 
@@ -14,7 +12,7 @@ from numpy.typing import NDArray
 from ..common.sharing import share
 from .batch.driving import drive_in_lanes
 from .batch.lane_runs import blank_log, Log, Runs
-from .model.columns import chains_of_each, coefficients_of_each, coefficients_of_one, units_of
+from .model.columns import coefficients_of_each, coefficients_of_one, units_of
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Body, Coefficients, Ledger
@@ -29,21 +27,17 @@ __all__ = ["UNFINISHED", "Batch", "Driven", "drive_batch"]
 UNFINISHED = -1
 # The budget is one of work: a chain of many segments may take fewer steps.
 _SEGMENTS_A_STEP = 10
+_MOST_STEPS = int(np.iinfo(np.int64).max)
 
 
-@dataclass(frozen=True)
-class Batch:
+class Batch(NamedTuple):
     """Who is driven, row by row."""
 
     crawlers: Sequence[Groups]
     scenes: Sequence[Scene]
     holds: NDArray[np.float64]
     schedule: NDArray[Any]  # (n, holds): duty cycles
-
-    @cached_property
-    def chains(self) -> NDArray[np.bool_]:
-        """Which crawlers are chains, shape (n,)."""
-        return chains_of_each(self.scenes)
+    chains: NDArray[np.bool_]  # (n,): which are chains
 
 
 class Driven(NamedTuple):
@@ -85,7 +79,8 @@ def drive_batch(
         parts = np.empty(0)
 
     together = (solvers == NAMES.index("taylor")) & ~batch.chains
-    together &= not condition and np.count_nonzero(together) > 1
+    if condition or np.count_nonzero(together) == 1:
+        together[:] = False
     growth, size, conditions = np.zeros(len(units)), np.zeros(len(units)), np.full(len(units), np.nan)
     logs = []
     if together.any():
@@ -94,7 +89,7 @@ def drive_batch(
         inside.bodies[[1, 4]] *= units
         start = stored_by_crawler(Body(*inside.bodies), Coefficients(*columns))
         options = SOLVERS["taylor"].options(tolerance, energy=True, log=True)
-        logs = drive_in_lanes(np.flatnonzero(together), batch.schedule, inside, options, threads)
+        logs = drive_in_lanes(together.nonzero()[0], batch.schedule, inside, options, threads)
         store = store_between(start, stored_by_crawler(Body(*inside.bodies), Coefficients(*columns)))
         growth, size = store
         _to_units_of_groups(runs, logs, units, together)
@@ -120,7 +115,7 @@ def drive_batch(
         growth[i], size[i] = stored
         return Log(events[:, 0].copy(), events[:, 1].astype(np.int8), np.full(len(events), i))
 
-    logs += share(one, np.flatnonzero(~together).tolist(), threads)
+    logs += share(one, (~together).nonzero()[0].tolist(), threads)
     if segments > 1:
         uneven = batch.chains if len(parts) else None
         if uneven is None:
@@ -132,15 +127,15 @@ def drive_batch(
 
 def _runs(batch: Batch, body: Body, samples_per_hold: int, max_steps: int | None) -> Runs:
     count, holds = batch.schedule.shape
-    budgets = np.full(count, min(max_steps or 0, np.iinfo(np.int64).max), np.int64)
     if max_steps is None:
-        work = MAX_STEPS + STEPS_A_HOLD * holds
-        budgets[:] = work // max(1, batch.scenes[0].segments // _SEGMENTS_A_STEP)
+        max_steps = (MAX_STEPS + STEPS_A_HOLD * holds) // max(1, batch.scenes[0].segments // _SEGMENTS_A_STEP)
+    bodies = np.empty((len(body), count))
+    bodies.T[:] = body
     return Runs(
-        np.repeat(np.array(body, np.float64)[:, None], count, axis=1),
+        bodies,
         np.empty((len(Coefficients._fields), count)),
         batch.holds,
-        budgets,
+        np.full(count, min(max_steps, _MOST_STEPS), np.int64),
         np.empty((count, 5, holds * samples_per_hold)),
         np.zeros((len(Ledger._fields), count)),
         np.full(count, UNFINISHED, np.int8),

@@ -190,6 +190,10 @@ def _choose(
     choices: NDArray[np.int8],
 ) -> None:
     for i in range(len(holds)):
+        # Crawlers are often alike.
+        if i > 0 and _is_as_before(columns, holds, spells, i):
+            choices[i] = choices[i - 1]
+            continue
         first = _CLOSED_FORM if is_linear_at(columns, i) else _TAYLOR
         _predict(columns, holds, spells, order, stages, tolerance, i, predictions)
         best = first
@@ -205,6 +209,17 @@ def _choose(
                 if doubtful < worse or (doubtful == worse and predictions[1, solver] < predictions[1, best]):
                     best = solver
         choices[i] = best
+
+
+@compiled
+def _is_as_before(
+    columns: NDArray[np.float64], holds: NDArray[np.float64], spells: NDArray[np.float64], i: int
+) -> bool:
+    """Whether the crawler in column `i` is the one before it over again."""
+    same = holds[i] == holds[i - 1] and spells[i] == spells[i - 1]
+    for row in range(len(columns)):
+        same = same and columns[row, i] == columns[row, i - 1]
+    return same
 
 
 @compiled

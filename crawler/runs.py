@@ -58,11 +58,14 @@ def run_crawler(
     condition : float
         As in `Trajectory`; nan unless `options` has the tangents carried.
     """
-    start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
+    start = body
+    if unit != 1.0:
+        start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
     workspace = solver.workspace(coefficients, hold / unit, samples.shape[1] // len(schedule))
 
     def begin() -> NDArray[np.float64]:
-        start_changes(workspace, start.mode)
+        if options.tangents:
+            start_changes(workspace, start.mode)
         return workspace
 
     outcome, finished, events, _ = _run(start, coefficients, schedule, hold / unit, options, samples, begin)

@@ -14,13 +14,13 @@ from ..common.sharing import processors
 from ..common.validation import finite_array, number_within, whole_number
 from .batch.lane_runs import write_in_order
 from .batch_simulation import Batch, drive_batch, Driven
-from .model.columns import different
+from .model.columns import chains_of_each, different
 from .model.groups import Groups, groups_of_each, GroupsLike
 from .model.scene import Scene
 from .model.state import BACKWARD, Body, ChainState, FOOT, FORWARD, Ledger, REST, SLIPS, State, STUCK
 from .model.tube import is_chain, stretches_of
 from .model.variations import HOLDS
-from .motion.balance import Balance, balance_of, check_balance, Store
+from .motion.balance import Balance, balance_each, balance_of, check_balance, Store
 from .refusals import solver_error, SolverError
 from .solvers import AUTO, NAMES, SOLVERS
 from .steps.options import FINISHED
@@ -29,7 +29,7 @@ from .trajectory import EVENT, Trajectory
 __all__ = ["TOLERANCES", "simulate"]
 
 TOLERANCES = "[1e-15, 1e-2]"
-_RANGES = dict.fromkeys(State._fields, "(-inf, inf)") | {"pressure": "[0, 1]"}
+_RANGES = dict.fromkeys((f"initial {name}" for name in State._fields), "(-inf, inf)") | {"initial pressure": "[0, 1]"}
 
 
 def simulate(
@@ -101,7 +101,7 @@ def simulate(
     EnergyWarning
         If the energies of a run do not add up, by more than the solver's error explains.
     """
-    batch, single = _batch(groups, valve, hold, scene)
+    batch, single, shared = _batch(groups, valve, hold, scene)
     tolerance = number_within("tolerance", tolerance, TOLERANCES)
     if not isinstance(solver, str) or (solver != AUTO and solver not in SOLVERS):
         raise ValueError(f"solver must be one of {[AUTO, *SOLVERS]}, got {solver!r}")
@@ -125,7 +125,7 @@ def simulate(
         threads=processors() if threads is None else whole_number("threads", threads, 1),
     )
     runs = driven.runs
-    failed = np.flatnonzero(runs.statuses > FINISHED)
+    failed = (runs.statuses > FINISHED).nonzero()[0]
     scales, suspects = _balanced(driven, tolerance)
     for i in suspects.tolist():
         if len(failed) == 0 or i < failed[0]:
@@ -137,8 +137,7 @@ def simulate(
         raise error if single else SolverError(f"crawler {failed[0]}: {error}")
 
     fractions = np.arange(1, samples_per_hold + 1) / samples_per_hold
-    grid = np.add.outer(np.arange(batch.schedule.shape[1]), fractions).ravel()
-    shared = np.ndim(hold) == 0
+    grid = (np.arange(batch.schedule.shape[1])[:, np.newaxis] + fractions).ravel()
     (work, viscous, friction, _), slips = runs.ledgers, runs.bodies[SLIPS].astype(np.int64)
 
     def shaped(values: NDArray[Any]) -> Any:
@@ -169,11 +168,11 @@ def simulate(
     )
 
 
-def _batch(groups: Any, valve: ArrayLike, hold: Any, scene: Any) -> tuple[Batch, bool]:
-    """Who is driven, row by row, and whether there is one crawler only."""
+def _batch(groups: Any, valve: ArrayLike, hold: Any, scene: Any) -> tuple[Batch, bool, bool]:
+    """Who is driven, row by row, whether there is one crawler only, and whether one hold is for all."""
     several = isinstance(scene, Sequence) and not isinstance(scene, str)
     scenes = [Scene.of(one) for one in scene] if several else Scene.of(scene)
-    holds = number_within("hold", hold, HOLDS) if np.ndim(hold) == 0 else finite_array("hold", hold, 1).copy()
+    holds = finite_array("hold", hold, 1).copy() if np.asarray(hold).ndim else number_within("hold", hold, HOLDS)
     each, schedule = groups_of_each(groups), _schedule(valve)
     rows = {
         "groups": None if isinstance(each, Groups) else len(each),
@@ -194,13 +193,15 @@ def _batch(groups: Any, valve: ArrayLike, hold: Any, scene: Any) -> tuple[Batch,
             number_within(f"hold of crawler {i}", float(holds[i]), HOLDS)
     if isinstance(scenes, list) and len(segments := {one.segments for one in scenes}) > 1:
         raise ValueError(f"scene must have the same segments in all rows, got {sorted(segments)}")
+    scene_of_each = scenes if isinstance(scenes, list) else [scenes] * count
     batch = Batch(
         [each] * count if isinstance(each, Groups) else each,
-        scenes if isinstance(scenes, list) else [scenes] * count,
+        scene_of_each,
         np.full(count, holds),
         schedule[np.newaxis].repeat(count, axis=0) if schedule.ndim == 1 else schedule,
+        chains_of_each(scene_of_each),
     )
-    return batch, not counts
+    return batch, not counts, isinstance(holds, float)
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -233,7 +234,7 @@ def _start(initial: State | ChainState, scene: Scene) -> tuple[Body, NDArray[np.
         z, v = stretches.mean(axis=1).tolist()
         initial = State(z, v, initial.pressure, initial.foot, initial.foot_velocity)
     ranges = zip(_RANGES.items(), initial, strict=True)
-    state = State(*(number_within(f"initial {name}", value, interval) for (name, interval), value in ranges))
+    state = State(*(number_within(name, value, interval) for (name, interval), value in ranges))
     slowest = 0.0 if scene.ratchet or scene.anchored else -math.inf
     fastest = 0.0 if scene.anchored else math.inf
     if not slowest <= state.foot_velocity <= fastest:
@@ -244,19 +245,18 @@ def _start(initial: State | ChainState, scene: Scene) -> tuple[Body, NDArray[np.
     if state.foot_velocity != 0.0:
         mode = FORWARD if state.foot_velocity > 0.0 else BACKWARD
     if stretches is None:
-        stretches = np.repeat([[state.deformation], [state.velocity]], scene.segments, axis=1)
+        stretches = np.array([[state.deformation] * scene.segments, [state.velocity] * scene.segments])
     return Body(*state, mode, 0), stretches
 
 
 def _balanced(driven: Driven, tolerance: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Scales of the energies, and crawlers whose energies may not add up."""
     runs = driven.runs
-    errors = np.where(driven.solvers == NAMES.index("closed_form"), 0.0, tolerance)
-    with np.errstate(all="ignore"):  # the numbers of a run that has failed may be any
-        # Without the rounding of the foot's way, which takes a look at all samples.
-        balance = balance_of(Ledger(*runs.ledgers), driven.store, runs.steps, errors, 0.0, 0.0)
-        sound = (abs(balance.residual) <= balance.allowed) | (runs.statuses != FINISHED)
-    return balance.scale, np.flatnonzero(~sound)
+    scales, suspect = np.empty(len(runs.steps)), np.empty(len(runs.steps), np.bool_)
+    errors = tolerance * (driven.solvers != NAMES.index("closed_form"))
+    # The rounding of the foot's way, which would take a look at all samples, is left to the suspects.
+    balance_each(runs.ledgers, driven.store, runs.steps, errors, scales, suspect)
+    return scales, (suspect & (runs.statuses == FINISHED)).nonzero()[0]
 
 
 def _balance_of_one(batch: Batch, driven: Driven, i: int, tolerance: float) -> Balance:
@@ -290,8 +290,8 @@ def _error(batch: Batch, driven: Driven, i: int, tolerance: float) -> SolverErro
 def _events(driven: Driven) -> NDArray[np.void]:
     """The events of all, crawler by crawler in order of time."""
     counts = driven.runs.events
-    events = np.empty(int(counts.sum()), EVENT)
-    places = np.cumsum(counts) - counts
+    ends = counts.cumsum()
+    events, places = np.empty(ends[-1], EVENT), ends - counts
     for log in driven.logs:
         write_in_order(log, places, events["time"], events["mode"], events["crawler"])
     return events

@@ -110,11 +110,7 @@ def choose_for_each(
     """
     chains = chains_of_each(scenes)
     if name == AUTO:
-        numbers = np.vstack([holds, units, coefficients])
-        alike = (numbers == numbers[:, :1]).all()
-        some = slice(1) if alike else slice(None)
-        choices = np.empty(len(groups), np.int8)
-        choices[:] = cheapest_of_each(coefficients[:, some], holds[some], units[some], tolerance)
+        choices = cheapest_of_each(coefficients, holds, units, tolerance)
         choices[chains] = NAMES.index("taylor")
         return choices
     unable = chains & (name != "taylor") if name != "closed_form" else chains | ~linear_of_each(coefficients)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -221,7 +222,8 @@ def drawn_numbers(settings: Settings, numbers: NDArray[np.float64], shares: NDAr
 def columns_of_numbers(scene: Scene, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
     """Coefficients, a crawler a column, of what `numbers_of` tells of each in the scene but for its slope."""
     *groups, slope = numbers
-    return columns_of(dict(zip(RANGES, groups, strict=True)), {**scene.to_dict(), _SLOPE: slope}, numbers.shape[1])
+    together = SimpleNamespace(**dict(zip(RANGES, groups, strict=True)))
+    return columns_of(together, SimpleNamespace(**scene.to_dict() | {_SLOPE: slope}), numbers.shape[1])
 
 
 def known_options(options: dict[str, Any] | None, allowed: Sequence[str]) -> dict[str, Any]:

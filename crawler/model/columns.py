@@ -1,17 +1,16 @@
 """Crawlers as columns of arrays: what a batch is made of, in structures of arrays."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import chain, repeat
 from operator import attrgetter, is_
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
 from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled
-from ...compiling.vectors import aligned_zeros
 from .groups import Groups, NONLINEAR
 from .scene import Scene
 from .state import Body, Coefficients, coefficients_of
@@ -50,7 +49,7 @@ def coefficients_of_each(groups: Sequence[Groups], scenes: Sequence[Scene]) -> N
     (11, n) array
         Fields of `Coefficients` in order, a crawler a column.
     """
-    return columns_of(_attributes(groups, Groups.__slots__), _attributes(scenes, Scene.__slots__), len(groups))
+    return columns_of(_together(groups, Groups.__slots__), _together(scenes, Scene.__slots__), len(groups))
 
 
 def coefficients_of_one(columns: NDArray[np.float64], i: int) -> Coefficients:
@@ -59,13 +58,23 @@ def coefficients_of_one(columns: NDArray[np.float64], i: int) -> Coefficients:
     return Coefficients(*numbers[:-2], *map(bool, numbers[-2:]))
 
 
-def columns_of(groups: dict[str, Any], scenes: dict[str, Any], count: int) -> NDArray[np.float64]:
-    """Coefficients from arrays of what `Groups` and `Scene` name, or numbers that hold for all; shape (11, count)."""
-    columns = aligned_zeros(len(Coefficients._fields), count)
+def columns_of(groups: Any, scene: Any, count: int) -> NDArray[np.float64]:
+    """Coefficients of many crawlers' equations, from all their groups and scenes at once.
+
+    Parameters
+    ----------
+    groups, scene : object
+        With the attributes of `Groups` and `Scene`: each an array (count,), or a number that holds for all.
+    count : int
+
+    Returns
+    -------
+    (11, count) array
+    """
+    columns = np.empty((_FIELDS, count))
     with np.errstate(all="ignore"):
-        fields = coefficients_of(cast(Groups, SimpleNamespace(**groups)), cast(Scene, SimpleNamespace(**scenes)))
-        for row, values in zip(columns, fields, strict=True):
-            row[:] = values
+        for row, values in enumerate(coefficients_of(groups, scene)):
+            columns[row] = values
     return columns
 
 
@@ -84,15 +93,14 @@ def units_of(
     return [own for own, _, _ in bodies], [scene for _, scene, _ in bodies], units
 
 
-def _attributes(each: Sequence[Any], names: Iterable[str]) -> dict[str, Any]:
-    """Fields of each, by name: arrays, or numbers where all are one."""
-    names = tuple(names)
+def _together(each: Sequence[Any], names: tuple[str, ...]) -> Any:
+    """One object whose attributes are those of each, as arrays; the first itself where all are one."""
     first = each[0]
     if all(map(is_, each, repeat(first))):
-        return {name: getattr(first, name) for name in names}
+        return first
     numbers = chain.from_iterable(map(attrgetter(*names), each))
     table = np.fromiter(numbers, np.float64, len(each) * len(names)).reshape(len(each), len(names))
-    return dict(zip(names, table.T, strict=True))
+    return SimpleNamespace(**dict(zip(names, table.T, strict=True)))
 
 
 def different(each: Sequence[Any]) -> list[Any]:

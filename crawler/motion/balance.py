@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiling.compilation import compiled, formula
 from ..model.equations import elastic_energy
 from ..model.groups import Groups
 from ..model.scene import Scene
@@ -20,6 +21,7 @@ __all__ = [
     "Balance",
     "EnergyWarning",
     "Store",
+    "balance_each",
     "balance_of",
     "check_balance",
     "store_between",
@@ -73,6 +75,7 @@ def store_between(before: tuple[Any, Any], after: tuple[Any, Any]) -> Store:
     return Store(sum(after) - sum(before), before[0] + after[0])
 
 
+@formula
 def balance_of(ledger: Ledger, store: Store, steps: Any, tolerance: Any, farthest: Any, rubbing: Any) -> Balance:
     """The balance of one run, or of many, whose numbers are then arrays.
 
@@ -95,6 +98,37 @@ def balance_of(ledger: Ledger, store: Store, steps: Any, tolerance: Any, farthes
     error = _TOLERANCES * tolerance * (np.sqrt(scale) + tolerance)
     rounding = _ROUNDINGS * (1.0 + scale + rubbing * farthest)
     return Balance(residual, scale, steps * (error + rounding))
+
+
+@compiled
+def balance_each(
+    ledgers: NDArray[np.float64],
+    store: Store,
+    steps: NDArray[np.int64],
+    tolerances: NDArray[np.float64],
+    scales: NDArray[np.float64],
+    suspect: NDArray[np.bool_],
+) -> None:
+    """Find the runs whose energies may not add up, but for the rounding of the foot's way.
+
+    Parameters
+    ----------
+    ledgers : (4, n) array
+        Fields of `Ledger`.
+    store : Store
+        Of arrays (n,).
+    steps, tolerances : (n,) arrays
+        As `balance_of` has them.
+    scales : (n,) array
+        Receives the scale of each balance.
+    suspect : (n,) array
+        Receives whether the residual is larger than allowed, or no number.
+    """
+    for i in range(len(steps)):
+        ledger = Ledger(ledgers[0, i], ledgers[1, i], ledgers[2, i], ledgers[3, i])
+        balance = balance_of(ledger, Store(store.growth[i], store.size[i]), steps[i], tolerances[i], 0.0, 0.0)
+        scales[i] = balance.scale
+        suspect[i] = not abs(balance.residual) <= balance.allowed
 
 
 def check_balance(
