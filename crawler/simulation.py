@@ -252,10 +252,9 @@ def _start(initial: State | ChainState, scene: Scene) -> tuple[Body, NDArray[np.
 def _balanced(driven: Driven, tolerance: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Scales of the energies, and crawlers whose energies may not add up."""
     runs = driven.runs
-    scales, suspect = np.empty(len(runs.steps)), np.empty(len(runs.steps), np.bool_)
     errors = tolerance * (driven.solvers != NAMES.index("closed_form"))
     # The rounding of the foot's way, which would take a look at all samples, is left to the suspects.
-    balance_each(runs.ledgers, driven.store, runs.steps, errors, scales, suspect)
+    scales, suspect = balance_each(runs.ledgers, driven.store, runs.steps, errors)
     return scales, (suspect & (runs.statuses == FINISHED)).nonzero()[0]
 
 

@@ -75,7 +75,6 @@ def store_between(before: tuple[Any, Any], after: tuple[Any, Any]) -> Store:
     return Store(sum(after) - sum(before), before[0] + after[0])
 
 
-@formula
 def balance_of(ledger: Ledger, store: Store, steps: Any, tolerance: Any, farthest: Any, rubbing: Any) -> Balance:
     """The balance of one run, or of many, whose numbers are then arrays.
 
@@ -92,24 +91,33 @@ def balance_of(ledger: Ledger, store: Store, steps: Any, tolerance: Any, farthes
     rubbing : number
         Force that does work along that way: kinetic friction and the weight along the slope.
     """
+    return _balance(ledger, store, steps, tolerance, farthest, rubbing, _TOLERANCES, _ROUNDINGS)
+
+
+@formula
+def _balance(
+    ledger: Ledger,
+    store: Store,
+    steps: Any,
+    tolerance: Any,
+    farthest: Any,
+    rubbing: Any,
+    tolerances: float,
+    roundings: float,
+) -> Balance:
+    """What `balance_of` returns, allowing each step so many tolerances and so much rounding."""
     residual = ledger.work - store.growth - ledger.viscous - ledger.friction
     scale = ledger.flow + store.size
     # A force's error acts on a body whose speed is at most the root of twice its energy over its mass.
-    error = _TOLERANCES * tolerance * (np.sqrt(scale) + tolerance)
-    rounding = _ROUNDINGS * (1.0 + scale + rubbing * farthest)
+    error = tolerances * tolerance * (np.sqrt(scale) + tolerance)
+    rounding = roundings * (1.0 + scale + rubbing * farthest)
     return Balance(residual, scale, steps * (error + rounding))
 
 
-@compiled
 def balance_each(
-    ledgers: NDArray[np.float64],
-    store: Store,
-    steps: NDArray[np.int64],
-    tolerances: NDArray[np.float64],
-    scales: NDArray[np.float64],
-    suspect: NDArray[np.bool_],
-) -> None:
-    """Find the runs whose energies may not add up, but for the rounding of the foot's way.
+    ledgers: NDArray[np.float64], store: Store, steps: NDArray[np.int64], tolerances: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Balance many runs, but for the rounding of the foot's way.
 
     Parameters
     ----------
@@ -119,14 +127,34 @@ def balance_each(
         Of arrays (n,).
     steps, tolerances : (n,) arrays
         As `balance_of` has them.
+
+    Returns
+    -------
     scales : (n,) array
-        Receives the scale of each balance.
-    suspect : (n,) array
-        Receives whether the residual is larger than allowed, or no number.
+        Of each balance.
+    suspect : (n,) array of bool
+        Whether the residual is larger than allowed, or no number.
     """
+    scales, suspect = np.empty(len(steps)), np.empty(len(steps), np.bool_)
+    _balance_each(ledgers, store, steps, tolerances, _TOLERANCES, _ROUNDINGS, scales, suspect)
+    return scales, suspect
+
+
+@compiled
+def _balance_each(
+    ledgers: NDArray[np.float64],
+    store: Store,
+    steps: NDArray[np.int64],
+    errors: NDArray[np.float64],
+    tolerances: float,
+    roundings: float,
+    scales: NDArray[np.float64],
+    suspect: NDArray[np.bool_],
+) -> None:
     for i in range(len(steps)):
         ledger = Ledger(ledgers[0, i], ledgers[1, i], ledgers[2, i], ledgers[3, i])
-        balance = balance_of(ledger, Store(store.growth[i], store.size[i]), steps[i], tolerances[i], 0.0, 0.0)
+        stored = Store(store.growth[i], store.size[i])
+        balance = _balance(ledger, stored, steps[i], errors[i], 0.0, 0.0, tolerances, roundings)
         scales[i] = balance.scale
         suspect[i] = not abs(balance.residual) <= balance.allowed
 
