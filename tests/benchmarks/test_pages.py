@@ -41,6 +41,7 @@ TABLES = {
     "encodings": lambda script, results: {"encodings": script.markdown(results["rows"])},
     "extremes": lambda script, results: {"extremes": script.table(results)},
     "front": lambda script, results: script.tables(results),
+    "front_targets": lambda script, results: script.tables(results),
     "memory_reward": of_memory_reward,
     "peers": lambda script, results: {
         "peers": script.goals_table(results["at equal error"]),
