@@ -49,6 +49,7 @@ TABLES = {
     },
     "readout_penalty": of_readout_penalty,
     "reservoir_speed": of_reservoir_speed,
+    "robustness": lambda script, results: script.tables(results["found"]),
     "scenes": lambda script, results: {
         "scenes": script.scene_table(results["scenes"]),
         "agreements": script.agreement_table(results["disagreements"]),
