@@ -11,6 +11,7 @@ import os
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -38,6 +39,7 @@ PAGE = BENCHMARKS.parent / "docs" / "training.md"
 
 DRAWN = {"static_friction": [0.25, 0.45], "kinetic_friction": [0.1, 0.25], "slope": [-0.05, 0.05]}
 RECIPES: dict[str, dict[str, Any]] = {"one body": {}, "drawn bodies": {"randomize": DRAWN}}
+WEIGHTS = 0.2, 0.0  # of memory: the default, whose policies hardly look at the body, and speed alone, whose do
 SEEDS = range(2)
 JUDGES = range(3_000_000, 3_000_016)
 LENGTH = {"steps": 2000, "burn_in": 1000}
@@ -73,9 +75,14 @@ GROUNDS = tuple(
 NEVER_SEEN = tuple(ground for ground in GROUNDS if ground != HOME)
 
 
-def key_of(recipe: str, seed: int) -> str:
+def key_of(weight: float, recipe: str, seed: int) -> str:
     """Name of a training in the results."""
-    return f"{recipe}/{seed}"
+    return f"{weight}/{recipe}/{seed}"
+
+
+def word_key(weight: float) -> str:
+    """Name of the best words in the results."""
+    return f"{weight}/best word"
 
 
 def on_every_ground(runs: Callable[[dict[str, Any]], LongRuns]) -> dict[str, Any]:
@@ -84,19 +91,18 @@ def on_every_ground(runs: Callable[[dict[str, Any]], LongRuns]) -> dict[str, Any
     return {key: {term: values.tolist() for term, values in each._asdict().items()} for key, each in found.items()}
 
 
-def best_word(arguments: dict[str, Any], valve_history: int) -> LongRuns:
+def best_word(arguments: dict[str, Any]) -> LongRuns:
     """The schedule of most reward on a ground, the valve held open or shut among them, judged on other seeds."""
     words = list(necklaces(LONGEST_WORD))
     shorter = {name: count // 2 for name, count in LENGTH.items()}
-    asked = {"valve_history": valve_history, **arguments}
-    tried = of_words(words, asked, seeds=range(2_000_000, 2_000_004), **shorter)
+    tried = of_words(words, arguments, seeds=range(2_000_000, 2_000_004), **shorter)
     best = words[int(np.argmax([runs.reward.mean() for runs in tried]))]
-    return of_words([best], asked, seeds=JUDGES, **LENGTH)[0]
+    return of_words([best], arguments, seeds=JUDGES, **LENGTH)[0]
 
 
-def training(recipe: str, seed: int, entry: dict[str, Any]) -> dict[str, Any]:
+def training(weight: float, recipe: str, seed: int, entry: dict[str, Any]) -> dict[str, Any]:
     """Train a policy, and judge it on every ground."""
-    asked = Configuration(env_kwargs=RECIPES[recipe], hyperparameters=entry, seed=seed)
+    asked = Configuration(env_kwargs={"memory_weight": weight, **RECIPES[recipe]}, hyperparameters=entry, seed=seed)
     with TemporaryDirectory(prefix="robustness_") as folder:
         # What it came to at home against words is not asked here.
         policy = read_policy(train(asked, Path(folder), judging=replace(STANDARD, longest_word=1)).best_policy)
@@ -113,26 +119,26 @@ def measure(minutes: float) -> dict[str, Any]:
     kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
     found: dict[str, Any] = kept.get("found", {}) if kept.get("made for") == made_for else {}
     works: dict[str, Callable[[], dict[str, Any]]] = {
-        key_of(recipe, seed): lambda recipe=recipe, seed=seed: training(recipe, seed, entry)
-        for seed in SEEDS
-        for recipe in RECIPES
+        key_of(weight, recipe, seed): partial(training, weight, recipe, seed, entry)
+        for weight, seed, recipe in product(WEIGHTS, SEEDS, RECIPES)
     }
-    works["best word"] = lambda: on_every_ground(lambda ground: best_word(ground, entry["env_kwargs"]["valve_history"]))
+    for weight in WEIGHTS:
+        works[word_key(weight)] = partial(
+            on_every_ground, lambda ground, weight=weight: best_word({"memory_weight": weight, **ground})
+        )
     end = time.monotonic() + 60.0 * minutes
     for name, work in works.items():
         done = name in found and all(ground.key in found[name] for ground in GROUNDS)
         if not done and time.monotonic() < end:
             found[name] = work()
-            print(
-                name, {key: round(float(np.mean(each["reward"])), 3) for key, each in found[name].items()}, flush=True
-            )
+            print(name, f"{np.mean([each['reward'] for each in found[name].values()]):.3f}", flush=True)
             keep(RESULTS, {"machine": machine("torch", "stable-baselines3"), "made for": made_for, "found": found})
     return found
 
 
-def of_recipe(found: dict[str, Any], recipe: str, ground: Ground, term: str) -> NDArray[np.float64]:
+def of_recipe(found: dict[str, Any], weight: float, recipe: str, ground: Ground, term: str) -> NDArray[np.float64]:
     """A term on a ground by seed that judges, the mean over trainings."""
-    names = [name for name in (key_of(recipe, seed) for seed in SEEDS) if name in found]
+    names = [name for name in (key_of(weight, recipe, seed) for seed in SEEDS) if name in found]
     return np.mean([found[name][ground.key][term] for name in names], axis=0)
 
 
@@ -141,7 +147,7 @@ def told(values: NDArray[np.float64], digits: int = 2, sign: str = "") -> str:
     return cell(mean_over_runs(values, bounds=(-np.inf, np.inf)), digits, sign)
 
 
-def table_of_grounds(found: dict[str, Any]) -> str:
+def table_of_grounds(found: dict[str, Any], weight: float) -> str:
     """Reward, speed and memory on every ground."""
     rows = [
         [
@@ -150,17 +156,17 @@ def table_of_grounds(found: dict[str, Any]) -> str:
         ]
     ]  # fmt: skip
     for ground in GROUNDS:
-        rewards = [of_recipe(found, recipe, ground, "reward") for recipe in RECIPES]
+        rewards = [of_recipe(found, weight, recipe, ground, "reward") for recipe in RECIPES]
         terms = [
-            f"{of_recipe(found, recipe, ground, 'speed').mean():.2f}, "
-            f"{of_recipe(found, recipe, ground, 'memory').mean():.2f}"
+            f"{of_recipe(found, weight, recipe, ground, 'speed').mean():.2f}, "
+            f"{of_recipe(found, weight, recipe, ground, 'memory').mean():.2f}"
             for recipe in RECIPES
         ]
         rows.append(
             [
                 f"{ground.static_friction:g}, {ground.kinetic_friction:g}{' (home)' if ground == HOME else ''}",
                 f"{ground.slope:g}",
-                told(np.array(found["best word"][ground.key]["reward"])),
+                told(np.array(found[word_key(weight)][ground.key]["reward"])),
                 *map(told, rewards),
                 told(rewards[1] - rewards[0], 2, "+"),
                 *terms,
@@ -171,25 +177,46 @@ def table_of_grounds(found: dict[str, Any]) -> str:
 
 def table_of_trainings(found: dict[str, Any]) -> str:
     """Each training at home and over all grounds never seen."""
-    rows = [["trained on", "seed", "reward at home", "never seen: reward", "speed", "memory", "below the best word"]]
-    for recipe, seed in product(RECIPES, SEEDS):
-        if (name := key_of(recipe, seed)) in found:
+    rows = [
+        [
+            "weight",
+            "trained on",
+            "seed",
+            "reward at home",
+            "never seen: reward",
+            "speed",
+            "memory",
+            "below the best word",
+        ]
+    ]
+    for weight, recipe, seed in product(WEIGHTS, RECIPES, SEEDS):
+        if (name := key_of(weight, recipe, seed)) in found:
             over = {
                 term: np.mean([found[name][ground.key][term] for ground in NEVER_SEEN], axis=0)
                 for term in ("reward", "speed", "memory")
             }
             lost = sum(
-                np.mean(found[name][ground.key]["reward"]) < np.mean(found["best word"][ground.key]["reward"])
+                np.mean(found[name][ground.key]["reward"]) < np.mean(found[word_key(weight)][ground.key]["reward"])
                 for ground in NEVER_SEEN
             )
             home = np.array(found[name][HOME.key]["reward"])
-            rows.append([recipe, str(seed), told(home), *map(told, over.values()), f"{lost} of {len(NEVER_SEEN)}"])
+            rows.append(
+                [
+                    f"{weight:g}",
+                    recipe,
+                    str(seed),
+                    told(home),
+                    *map(told, over.values()),
+                    f"{lost} of {len(NEVER_SEEN)}",
+                ]
+            )
     return as_markdown(rows)
 
 
 def tables(found: dict[str, Any]) -> dict[str, str]:
     """What the page shows, by the names of its marks."""
-    return {"robustness": table_of_trainings(found), "grounds": table_of_grounds(found)}
+    grounds = {f"grounds at weight {weight:g}": table_of_grounds(found, weight) for weight in WEIGHTS}
+    return {"robustness": table_of_trainings(found), **grounds}
 
 
 def main() -> None:

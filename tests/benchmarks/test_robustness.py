@@ -18,12 +18,12 @@ def on_grounds(rewards):
 
 def test_differences_are_of_the_same_seeds_and_words_that_win_are_counted():
     found = {
-        "one body/0": on_grounds([1.0, 2.0]),
-        "one body/1": on_grounds([2.0, 3.0]),
-        "drawn bodies/0": on_grounds([2.0, 3.0]),
-        "best word": on_grounds([2.0, 2.5]),
+        "0.2/one body/0": on_grounds([1.0, 2.0]),
+        "0.2/one body/1": on_grounds([2.0, 3.0]),
+        "0.2/drawn bodies/0": on_grounds([2.0, 3.0]),
+        "0.2/best word": on_grounds([2.0, 2.5]),
     }
-    row = robustness.table_of_grounds(found).splitlines()[2]
+    row = robustness.table_of_grounds(found, 0.2).splitlines()[2]
     assert row.split(" | ")[5].startswith("+0.50")
     every = len(robustness.NEVER_SEEN)
     lost = [line.rsplit("|", 2)[1].strip() for line in robustness.table_of_trainings(found).splitlines()[2:]]
