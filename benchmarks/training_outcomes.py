@@ -36,7 +36,7 @@ WEIGHTS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
 SEEDS = range(10)
 QUIETER_AND_NOISIER = (0.0, 0.05, 0.25)
 FEWER_SEEDS = range(3)
-LIMITS = {0.0: 1.0616, 0.05: 0.948, 0.1: 0.841, 0.25: 0.561}  # most speed that any policy has, by dynamic programming
+LIMITS = BENCHMARKS / "results" / "trade_limits.json"  # by dynamic programming: benchmarks/trade_limits.py
 
 
 class Training(NamedTuple):
@@ -143,14 +143,20 @@ def table_of_weights(found: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def limits() -> dict[float, float]:
+    """The most speed that any policy has, by dither."""
+    kept = json.loads(LIMITS.read_text(encoding="utf-8"))["limit"]["dithers"]
+    return {float(dither): each["speed"][0] for dither, each in kept.items()}
+
+
 def table_of_dithers(found: dict[str, Any]) -> str:
     lines = ["| dither | speed | of the limit, least | limit | trainings |", "| ---: | ---: | ---: | ---: | ---: |"]
-    for dither, limit in LIMITS.items():
+    for dither, limit in limits().items():
         each = [found[key] for key in (Training(0.0, dither, seed).key for seed in SEEDS) if key in found]
         if each:
             speeds = [one["policy"]["speed"] for one in each]
             least = f"{100 * min(speeds) / limit:.1f}%"
-            lines.append(f"| {dither:g} | {spread(speeds)} | {least} | {limit:g} | {len(each)} |")
+            lines.append(f"| {dither:g} | {spread(speeds)} | {least} | {limit:.3f} | {len(each)} |")
     return "\n".join(lines)
 
 
