@@ -49,7 +49,8 @@ def outcome(reward, best="held open", still=False):
     }
 
 
-def test_outcomes_are_counted_by_weight_and_in_all():
+def test_outcomes_are_counted_by_weight_and_in_all(monkeypatch):
+    monkeypatch.setattr(training_outcomes, "limits", lambda: {0.1: 0.8, 0.25: 0.5})
     found = {
         "0.0/0.1/0": outcome(2.5, "best word"),
         "0.0/0.1/4": outcome(3.5, "best word"),
@@ -62,9 +63,14 @@ def test_outcomes_are_counted_by_weight_and_in_all():
         "| all | | | | | | 1 | 1 of 3 [1%, 91%] |",
     ]
     assert training_outcomes.table_of_dithers(found).splitlines()[2:] == [
-        "| 0.1 | 0.250 ± 0.000 | 29.7% | 0.841 | 2 |",
-        "| 0.25 | 0.250 | 44.6% | 0.561 | 1 |",
+        "| 0.1 | 0.250 ± 0.000 | 31.2% | 0.800 | 2 |",
+        "| 0.25 | 0.250 | 50.0% | 0.500 | 1 |",
     ]
+
+
+def test_the_limits_are_those_of_their_page():
+    page = (training_outcomes.PAGE.parent / "trade_limits.md").read_text(encoding="utf-8")
+    assert all(f"| {dither:g} | {limit:.4f} [" in page for dither, limit in training_outcomes.limits().items())
 
 
 def test_every_weight_is_trained_once_before_one_is_trained_again():
