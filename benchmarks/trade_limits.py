@@ -28,11 +28,10 @@ from stickslip.studies.trade.conditions import conditions
 from stickslip.studies.trade.evolution import evolved_feedback
 from stickslip.studies.trade.gap import gap, KINDS, kinds_of, mixed_runs
 from stickslip.studies.trade.judgement import held_out_seeds, joined, judge
-from stickslip.studies.trade.open_loop import commands_of
+from stickslip.studies.trade.open_loop import schedule_runs
 from stickslip.studies.trade.registers import register_runs, Registers, tables_of
 from stickslip.studies.trade.richest import richest
 from stickslip.studies.trade.rollouts import runs_of
-from stickslip.tasks import dithered
 
 RESULTS = Path(__file__).parent / "results" / "trade_limits.json"
 PAGE = Path(__file__).parents[1] / "docs" / "trade_limits.md"
@@ -173,14 +172,10 @@ def reward() -> Result:
 def whose() -> Result:
     settings, seeds = conditions(), held_out_seeds(10)
 
-    def words(seed: int) -> tuple[Any, Any]:
-        commands = commands_of(WORDS, HOLDS, seed)
-        return commands, np.array([dithered(each, settings.dither, seed) for each in commands])
-
     tables = [[int(letter) for letter in row["name"]] for row in results_of("registers")["front"]]
     names = ["".join(map(str, table)) for table in tables]
     each = {
-        WORDS: words,
+        WORDS: schedule_runs(WORDS, settings.dither, HOLDS),
         tuple(names): lambda seed: register_runs(tables, settings.dither, HOLDS, seed),
         ("fastest policy",): fastest_runs(settings, seeds),
     }

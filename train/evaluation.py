@@ -14,7 +14,7 @@ from ..common.extras import optional_import
 from ..common.files import atomically
 from ..envs import StickSlipCrawlerEnv
 from .policies.policy import Policy
-from .schedules import Performance, performance
+from .schedules import measured_under, Performance, performance
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
@@ -75,20 +75,8 @@ def measure(
     command, valve : (steps,) arrays of 0 and 1
     """
     command, valve = roll_out(policy, environment, steps, seed)
-    settings = environment.settings
-    result = performance(
-        command,
-        valve,
-        dither=settings.dither,
-        groups=environment.episode_groups,
-        hold=settings.hold,
-        scene=environment.episode_scene,
-        delays=settings.delays,
-        virtual_nodes=settings.virtual_nodes,
-        tolerance=settings.tolerance,
-        target=settings.target,
-        target_order=settings.target_order,
-    )
+    body = {"groups": environment.episode_groups, "scene": environment.episode_scene}
+    result = performance(command, valve, **{**measured_under(environment.settings), **body})
     return result, command, valve
 
 

@@ -1,6 +1,7 @@
 """Open-loop valve schedules: words repeated for ever, the yardstick of every policy."""
 
 from collections.abc import Iterator
+from inspect import signature
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -9,11 +10,12 @@ from numpy.typing import NDArray
 
 from ..common.validation import number_within, whole_number
 from ..crawler import GroupsLike, Scene, simulate
+from ..envs.settings import Settings
 from ..reservoir import memory_capacity, MemoryCapacity, target_series
 from ..reservoir.targets import target_of
 from ..tasks import body_states, dithered, innovation
 
-__all__ = ["Performance", "necklaces", "pareto_front", "performance", "performances", "repeat"]
+__all__ = ["Performance", "measured_under", "necklaces", "pareto_front", "performance", "performances", "repeat"]
 
 
 class Performance(NamedTuple):
@@ -67,6 +69,14 @@ def performances(
         Performance(speed, memory_capacity(states, target_series(innovation(valve, command, dither), *aim), read_out))
         for speed, states, valve, command in zip(speeds, body_states(motions), valves, commands, strict=True)
     ]
+
+
+_CONDITIONS = [name for name, each in signature(performances).parameters.items() if each.kind is each.KEYWORD_ONLY]
+
+
+def measured_under(settings: Settings) -> dict[str, Any]:
+    """What `performances` takes besides commands and valves, as an environment has it; its groups are not drawn."""
+    return {name: getattr(settings, name) for name in _CONDITIONS}
 
 
 def performance(command: NDArray[np.int64], valve: NDArray[np.int64], **settings: Any) -> Performance:

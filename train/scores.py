@@ -12,12 +12,15 @@ from ..crawler import Groups, Scene
 from ..envs import StickSlipCrawlerVectorEnv
 from ..reservoir import mean_over_runs
 from .evaluation import Acting, actor
-from .schedules import Performance, performance
+from .schedules import measured_under, Performance, performance
 
-__all__ = ["HELD_OUT_SEEDS", "Rollout", "interval", "judging", "roll_outs", "score", "summary"]
+__all__ = ["HELD_OUT", "HELD_OUT_SEEDS", "Rollout", "interval", "judging", "roll_outs", "score", "summary"]
 
-HELD_OUT_SEEDS = tuple(range(2_000_000, 2_000_010))
-"""Apart from those of trainings, and of the evaluations within them that choose the best policy."""
+HELD_OUT = 2_000_000
+"""The first of the seeds that judge: those of trainings, and of the evaluations within them that choose the best
+policy, are below, and those that choose schedules are millions above."""
+
+HELD_OUT_SEEDS = tuple(range(HELD_OUT, HELD_OUT + 10))
 
 
 class Rollout(NamedTuple):
@@ -75,7 +78,7 @@ def roll_outs(
         crawlers = list(zip(batch.get_attr("episode_groups"), batch.get_attr("episode_scene"), strict=True))
     finally:
         batch.close()
-    settings = batch.settings
+    conditions = measured_under(batch.settings)
     return [
         Rollout(
             asked,
@@ -86,15 +89,7 @@ def roll_outs(
             performance(
                 asked,
                 came,
-                dither=settings.dither,
-                groups=groups,
-                hold=settings.hold,
-                scene=scene,
-                delays=settings.delays,
-                virtual_nodes=settings.virtual_nodes,
-                tolerance=settings.tolerance,
-                target=settings.target,
-                target_order=settings.target_order,
+                **{**conditions, "groups": groups, "scene": scene},
             ),
         )
         for asked, came, earned, (groups, scene) in zip(

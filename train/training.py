@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..common.extras import optional_import
-from ..common.fingerprint import described, refuse_other, rounded
+from ..common.fingerprint import described, refuse_other
 from ..common.threads import library_threads
 from ..envs import StickSlipCrawlerEnv
 from . import verdict
@@ -22,6 +22,7 @@ from .hyperparameters import resolve
 from .long_runs import of_policy, of_words
 from .policies.files import read_policy, WEIGHTS, write_policy
 from .policies.from_model import policy_of
+from .probe import first_rewards
 from .run import Configuration, Run
 from .still import hold_still
 from .trust import read_pickle, write_pickle
@@ -40,7 +41,6 @@ __all__ = ["load_policy", "train"]
 
 _CONFIGURATION = "stickslip_configuration"
 _REWARDS = "stickslip_first_rewards"
-_PROBED = 16
 _EVALUATIONS = 12
 _EPISODES = 32
 _EVALUATION_SEED = 1_000_000
@@ -110,7 +110,7 @@ def train(
         }
     )
     # What the environment or the algorithm refuses, it refuses before the folder is touched.
-    rewards = _first_rewards(configuration)
+    rewards = first_rewards(configuration.env_kwargs)
 
     def make(count: int, seed: int, constructor: Callable[..., VecEnv]) -> VecEnv:
         environments = VecMonitor(constructor(count, **configuration.env_kwargs))
@@ -219,22 +219,29 @@ def _best_of_own(run: Run, trust: bool) -> "Acting | None":
     return model if model.observation_space == shown else None
 
 
-def _keep_still_if_better(run: Run, policy: Acting, model: BaseAlgorithm, judging: Judging) -> None:
+def _keep_still_if_better(run: Run, policy: Acting, model: BaseAlgorithm, judging: Judging) -> bool:
     """Let the best policy of a run be the valve held still, where that earns more on the seeds of the evaluations.
 
     The model, of which nothing else is needed any more, becomes that policy.
+
+    Returns
+    -------
+    bool
+        Whether the valve is held still now.
     """
     arguments = run.configuration.env_kwargs
     seeds = range(_EVALUATION_SEED, _EVALUATION_SEED + judging.seeds)
     length: dict[str, Any] = {"seeds": seeds, "steps": judging.steps, "burn_in": judging.burn_in}
     own = of_policy(policy, arguments, **length).reward.mean()
     still = of_words(["0", "1"], arguments, **length)
-    if max(each.reward.mean() for each in still) > own:
-        best = int(still[1].reward.mean() > still[0].reward.mean())
-        hold_still(model, best)
-        means = {name: {"mean": float(each.mean())} for name, each in still[best]._asdict().items()}
-        measured = "per step, in one long run a seed, once under way"
-        _keep_as_best(run, model, {"measured": measured, "seeds": list(seeds), **means})
+    best = int(still[1].reward.mean() > still[0].reward.mean())
+    if still[best].reward.mean() <= own:
+        return False
+    hold_still(model, best)
+    means = {name: {"mean": float(each.mean())} for name, each in still[best]._asdict().items()}
+    measured = "per step, in one long run a seed, once under way"
+    _keep_as_best(run, model, {"measured": measured, "seeds": list(seeds), **means})
+    return True
 
 
 def _keep_as_best(run: Run, model: BaseAlgorithm, scores: dict[str, Any]) -> None:
@@ -248,8 +255,7 @@ def _keep_as_best(run: Run, model: BaseAlgorithm, scores: dict[str, Any]) -> Non
 def _judge(run: Run, model: BaseAlgorithm, judging: Judging, *, or_still: bool, trust: bool) -> None:
     """Write down what the best policy of a run came to beside what needs no training."""
     policy = _best_of_own(run, trust)
-    if policy is not None and or_still:
-        _keep_still_if_better(run, policy, model, judging)
+    if policy is not None and or_still and _keep_still_if_better(run, policy, model, judging):
         policy = _best_of_own(run, trust)
     if policy is not None:
         verdict.write_verdict(verdict.judge(policy, run.configuration.env_kwargs, judging), run.folder)
@@ -277,13 +283,6 @@ def _kept(configuration: Configuration, total: int) -> dict[str, Any]:
     """Description of the configuration of a run whose end may be moved."""
     kept = replace(configuration, hyperparameters={**configuration.hyperparameters, "n_timesteps": total})
     return _described(kept)
-
-
-def _first_rewards(configuration: Configuration) -> list[float | str]:
-    """What a fixed word earns in the environment of a configuration: a changed body or reward is told by it."""
-    environment = StickSlipCrawlerEnv(**configuration.env_kwargs)
-    environment.reset(seed=0)
-    return [rounded(float(environment.step((step // 3 + 1) % 2)[1])) for step in range(_PROBED)]
 
 
 class _Keeper(BaseCallback):

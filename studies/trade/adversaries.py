@@ -19,7 +19,7 @@ from ...envs.settings import Settings
 from ...reservoir import memory_capacity
 from ...reservoir.bootstrap import Estimate, mean_over_runs
 from ...tasks import crawler_states
-from .conditions import conditions
+from .conditions import conditions, refuse_silence
 from .judgement import held_out_seeds
 from .open_loop import commands_of
 from .rollouts import Act, arguments_of, WASHOUT
@@ -97,8 +97,7 @@ def audit(
         If an argument is out of range or of the wrong type; the message names it.
     """
     settings = conditions(**env_kwargs)
-    if settings.dither == 0.0:
-        raise ValueError("dither must be in (0, 0.5]: without flips there is no memory to be rewarded, got 0.0")
+    refuse_silence(settings)
     known_names("target", [settings.target], ["memory"])
     whole_number("holds", holds, 200)
     tried = {**HONEST, **ADVERSARIES} if adversaries is None else adversaries

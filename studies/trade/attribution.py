@@ -13,6 +13,7 @@ import numpy as np
 
 from ...envs.settings import Settings
 from ...reservoir.bootstrap import Estimate, mean_over_runs
+from .conditions import refuse_silence
 from .judgement import judge, Judgement, Runs
 
 __all__ = ["Attribution", "attribute", "feedback_cut"]
@@ -63,8 +64,7 @@ def attribute(names: Sequence[str], runs: Runs, settings: Settings, *, seeds: Se
     ValueError
         If there is no dither.
     """
-    if settings.dither == 0.0:
-        raise ValueError("dither must be in (0, 0.5]: without flips there is nothing to remember, got 0.0")
+    refuse_silence(settings)
     return Attribution(
         judge(names, runs, settings, seeds=seeds),
         judge(names, feedback_cut(runs, settings.dither), settings, seeds=seeds),

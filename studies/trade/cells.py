@@ -8,17 +8,15 @@ from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...common.threads import library_threads
 from ...envs.settings import Settings
-from ...tasks import dithered
 from ...train.policies import Policy, read_policy
 from ...train.scores import roll_outs
 from .attribution import feedback_cut
 from .conditions import conditions
 from .judgement import held_out_seeds, judge, Judgement
-from .open_loop import open_loop_front
+from .open_loop import open_loop_front, schedule_runs
 from .plan import Cell, CONDITIONED, EPISODE, JUDGED, LIMIT, OPEN_LOOP, Trade, TRAINED
 from .speed_limit import speed_limit
 
@@ -93,13 +91,9 @@ def _open_loop(job: Job) -> Outcome:
         threads=1,
         **{**trade.env_kwargs, "dither": job.cell.dither},
     )
-    held = [[0] * trade.holds, [1] * trade.holds]
-
-    def runs(seed: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        commands = np.array(held)
-        return commands, np.array([dithered(each, job.cell.dither, seed) for each in commands])
-
-    judgement = judge(["0", "1"], runs, found.settings, seeds=found.front.seeds)
+    held = ["0", "1"]
+    runs = schedule_runs(held, job.cell.dither, trade.holds)
+    judgement = judge(held, runs, found.settings, seeds=found.front.seeds)
     return Outcome({"front": _numbers(found.front), "held": _numbers(judgement)})
 
 

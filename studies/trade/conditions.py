@@ -4,7 +4,7 @@ from typing import Any
 
 from ...envs.settings import Settings
 
-__all__ = ["conditions"]
+__all__ = ["conditions", "refuse_silence"]
 
 
 def conditions(**env_kwargs: Any) -> Settings:
@@ -29,3 +29,15 @@ def conditions(**env_kwargs: Any) -> Settings:
         if name in env_kwargs:
             raise ValueError(f"env_kwargs must be without {name}, got {name}={env_kwargs[name]!r}")
     return Settings.of(memory_weight=0.0, **env_kwargs)
+
+
+def refuse_silence(settings: Settings) -> None:
+    """Refuse conditions without flips.
+
+    Raises
+    ------
+    ValueError
+        If there is no dither.
+    """
+    if settings.dither == 0.0:
+        raise ValueError("dither must be in (0, 0.5]: without flips there is nothing to remember, got 0.0")

@@ -18,7 +18,7 @@ from ...common.validation import whole_number
 from ...envs.settings import Settings
 from ...reservoir.bootstrap import Estimate
 from ...train.schedules import pareto_front
-from .conditions import conditions
+from .conditions import conditions, refuse_silence
 from .judgement import held_out_seeds, judge, Judgement
 from .registers import best_registers
 from .rollouts import Act, roll_out_many, runs_of
@@ -146,8 +146,7 @@ def evolved_feedback(
         If an argument is out of range or of the wrong type; the message names it.
     """
     settings = conditions(**env_kwargs)
-    if settings.dither == 0.0:
-        raise ValueError("dither must be in (0, 0.5]: without flips there is nothing to remember, got 0.0")
+    refuse_silence(settings)
     whole_number("bits", bits, 1, 10)
     whole_number("generations", generations, 1)
     whole_number("children", children, 1)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...common.validation import whole_number
 from ...envs.settings import Settings
 from .judgement import held_out_seeds, judge, Judgement, Runs
-from .registers import acting, register_runs, Registers, tables_of
+from .registers import acting, feedback_runs, register_runs, Registers, tables_of
 from .rollouts import roll_out_many
 
 __all__ = ["KINDS", "Gap", "gap", "kinds_of", "mixed_runs"]
@@ -149,15 +149,7 @@ def mixed_runs(first: str, second: str, blocks: Sequence[int], settings: Setting
     """
     tables = np.array([[int(letter) for letter in table] for table in (first, second)])
     lengths = np.array([whole_number("blocks", block, 1) for block in blocks])
-
-    def runs(seed: int) -> tuple[Bits, Bits]:
-        flips = np.random.default_rng(seed).random(holds) < settings.dither
-        commands, valves = np.empty((2, holds, len(lengths)), np.int64)
-        past = np.zeros(len(lengths), np.int64)
-        for k in range(holds):
-            commands[k] = tables[k // lengths % 2, past]
-            valves[k] = commands[k] ^ flips[k]
-            past = (2 * past + valves[k]) % tables.shape[1]
-        return commands.T.copy(), valves.T.copy()
-
-    return runs
+    shape = len(lengths), tables.shape[1]
+    return lambda seed: feedback_runs(
+        lambda k, past: tables[k // lengths % 2, past], shape, settings.dither, holds, seed
+    )

@@ -9,14 +9,11 @@ from numpy.typing import NDArray
 from ...common.validation import whole_number
 from ...envs.settings import Settings
 from ...reservoir.bootstrap import Estimate, mean_over_runs
-from ...train.schedules import performances
+from ...train.schedules import measured_under, performances
+from ...train.scores import HELD_OUT
 from .hypervolume import hypervolume
 
-__all__ = ["HELD_OUT", "Judgement", "held_out_seeds", "jackknifed", "joined", "judge"]
-
-HELD_OUT = 2_000_000
-"""The first of the seeds that judge: those that choose policies in a training are below, and those that choose
-schedules beyond a million more."""
+__all__ = ["Judgement", "held_out_seeds", "jackknifed", "joined", "judge"]
 
 Bits = NDArray[np.int64]
 Runs = Callable[[int], tuple[Bits, Bits]]
@@ -172,15 +169,7 @@ def judge(names: Sequence[str], runs: Runs, settings: Settings, *, seeds: Sequen
             for each in performances(
                 commands[begin : begin + some],
                 valves[begin : begin + some],
-                dither=settings.dither,
-                groups=settings.groups,
-                hold=settings.hold,
-                scene=settings.scene,
-                delays=settings.delays,
-                target=settings.target,
-                target_order=settings.target_order,
-                virtual_nodes=settings.virtual_nodes,
-                tolerance=settings.tolerance,
+                **measured_under(settings),
             )
         ]
         scores.append([(each.speed, 0.0 if each.memory is None else each.memory.corrected) for each in found])

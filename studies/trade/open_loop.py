@@ -17,11 +17,11 @@ from ...reservoir.bootstrap import Estimate
 from ...tasks import dithered
 from ...train.schedules import necklaces
 from .conditions import conditions
-from .judgement import held_out_seeds, judge, Judgement
+from .judgement import held_out_seeds, judge, Judgement, Runs
 from .rollouts import Act, WASHOUT
 from .selection import select
 
-__all__ = ["OpenLoop", "commands_of", "open_loop_front"]
+__all__ = ["OpenLoop", "commands_of", "open_loop_front", "schedule_runs"]
 
 RATES = tuple(f"random {percent}%" for percent in range(5, 100, 5))
 """Bernoulli schedules, by how often they open the valve."""
@@ -110,12 +110,31 @@ def open_loop_front(
     found = select(controllers, len(names), screening_holds, settings, seed=first_seed, threads=threads)
     chosen = [names[i] for i in found.front]
 
-    def runs(held_out: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        asked = commands_of(chosen, holds, held_out)
-        return asked, np.array([dithered(each, settings.dither, held_out) for each in asked])
-
-    front = judge(chosen, runs, settings, seeds=held_out)
+    front = judge(chosen, schedule_runs(chosen, settings.dither, holds), settings, seeds=held_out)
     return OpenLoop(settings, names, found.speeds, found.memories, front, front.hypervolume())
+
+
+def schedule_runs(names: Sequence[str], dither: float, holds: int) -> Runs:
+    """What schedules command, and what the valves do, all with the same flips.
+
+    Parameters
+    ----------
+    names : sequence of str
+        As for `commands_of`.
+    dither : float
+    holds : int
+
+    Returns
+    -------
+    callable
+        Takes the seed of the flips, and of what else is random, as `judge` wants it.
+    """
+
+    def runs(seed: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        commands = commands_of(names, holds, seed)
+        return commands, np.array([dithered(each, dither, seed) for each in commands])
+
+    return runs
 
 
 def commands_of(names: Sequence[str], holds: int, seed: int) -> NDArray[np.int64]:

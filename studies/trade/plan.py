@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from typing import Any, NamedTuple
 
-from ...common.fingerprint import described, rounded
+from ...common.fingerprint import described
 from ...common.validation import known_names, number_within, whole_number
-from ...envs import StickSlipCrawlerEnv
 from ...envs.settings import Settings
 from ...envs.specification import plain
 from ...train.algorithms import ALGORITHMS
 from ...train.hyperparameters import read_hyperparameters
+from ...train.probe import first_rewards
 from ...train.run import Configuration, ENV_ARGUMENTS
 
 __all__ = ["CONDITIONED", "FULL", "JUDGED", "LIMIT", "OPEN_LOOP", "QUICK", "TRAINED", "Cell", "Trade"]
@@ -51,7 +51,6 @@ EPISODE = 1000
 
 # The trade says these itself.
 _OWN = ("memory_weight", "dither", "randomize")
-_PROBED = 16
 # What a `Policy` can tell; a recurrent one has a memory of its own.
 _POLICY = "MlpPolicy"
 
@@ -196,9 +195,7 @@ class Trade:
 
     def probe(self) -> list[float | str]:
         """What a fixed word earns, rounded: a body or a reward that has changed since is told by it."""
-        environment = StickSlipCrawlerEnv(**self.configuration(0.1, 0.5, 0).env_kwargs)
-        environment.reset(seed=0)
-        return [rounded(float(environment.step((step // 3 + 1) % 2)[1])) for step in range(_PROBED)]
+        return first_rewards(self.configuration(0.1, 0.5, 0).env_kwargs)
 
     def cells(self) -> list[list[Cell]]:
         """The work, in stages: cells of one depend on none of it, and on those of the stages before.

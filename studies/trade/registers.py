@@ -4,7 +4,7 @@ A valve state is the command, flipped now and then, and the body does not feed b
 moving it. The past valve states are the bits of one number, the newest the lowest, and the table has a bit for each.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +19,7 @@ from .judgement import held_out_seeds, judge, Judgement
 from .rollouts import Act
 from .selection import select
 
-__all__ = ["Registers", "best_registers", "register_runs", "tables_of"]
+__all__ = ["Registers", "best_registers", "feedback_runs", "register_runs", "tables_of"]
 
 Bits = NDArray[np.int64]
 
@@ -144,12 +144,36 @@ def register_runs(tables: Bits | Sequence[Sequence[int]], dither: float, holds: 
     commands, valves : (n, holds) arrays of 0 and 1
     """
     tables = np.asarray(tables, np.int64)
+    rows = np.arange(len(tables))
+    return feedback_runs(lambda _, past: tables[rows, past], tables.shape, dither, holds, seed)
+
+
+def feedback_runs(
+    command: Callable[[int, Bits], Bits], shape: tuple[int, ...], dither: float, holds: int, seed: int
+) -> tuple[Bits, Bits]:
+    """What feedback of the last valve states commands, and what the valves do, all with the same flips.
+
+    Parameters
+    ----------
+    command : callable
+        Takes the hold's number and the past valve states (n,), and gives the commands (n,).
+    shape : (int, int)
+        Of n controllers, and as many pasts as each tells apart.
+    dither : float
+    holds : int
+    seed : int
+        Of the flips.
+
+    Returns
+    -------
+    commands, valves : (n, holds) arrays of 0 and 1
+    """
+    count, pasts = shape
     flips = np.random.default_rng(seed).random(holds) < dither
-    commands = np.empty((holds, len(tables)), np.int64)
-    valves = np.empty_like(commands)
-    rows, past = np.arange(len(tables)), np.zeros(len(tables), np.int64)
+    commands, valves = np.empty((2, holds, count), np.int64)
+    past = np.zeros(count, np.int64)
     for k in range(holds):
-        commands[k] = tables[rows, past]
+        commands[k] = command(k, past)
         valves[k] = commands[k] ^ flips[k]
-        past = (2 * past + valves[k]) % tables.shape[1]
+        past = (2 * past + valves[k]) % pasts
     return commands.T.copy(), valves.T.copy()

@@ -5,6 +5,7 @@ of a short run it is the better estimate. So it is what chooses among thousands;
 """
 
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -112,19 +113,7 @@ def _scores(
 
 def arguments_of(settings: Settings) -> dict[str, Any]:
     """Arguments of the environment, as it takes them."""
-    return {
-        "groups": settings.groups,
-        "scene": settings.scene,
-        "hold": settings.hold,
-        "tolerance": settings.tolerance,
-        "dither": settings.dither,
-        "memory_weight": settings.memory_weight,
-        "delays": settings.delays,
-        "target": settings.target,
-        "target_order": settings.target_order,
-        "virtual_nodes": settings.virtual_nodes,
-        "valve_history": settings.valve_history,
-    }
+    return {each.name: getattr(settings, each.name) for each in fields(settings)}
 
 
 def runs_of(
