@@ -11,6 +11,7 @@ from ..common.extras import optional_import
 from ..common.threads import library_threads
 from ..common.validation import whole_number
 from ..envs import StickSlipCrawlerVectorEnv
+from .episodes import long_episode
 from .policies.policy import Layer, Policy
 from .scores import judging
 
@@ -151,18 +152,19 @@ def _crawl(
     teacher = best_at(policies, weight)
     arguments: dict[str, Any] = judging(policies[0].env_kwargs)
     batch = StickSlipCrawlerVectorEnv(_CRAWLERS, **arguments, max_episode_steps=None)
-    states, answers = [], []
-    try:
-        observation, _ = batch.reset(seed=int(generator.integers(2**31)))
-        for _ in range(holds):
-            each = np.stack([policy.predict(observation) for policy in policies])
-            states.append(np.column_stack([observation, weight]).astype(np.float32))
-            answers.append(each[teacher, np.arange(_CRAWLERS)])
-            actions = answers[-1]
-            if pupil is not None:
-                with torch.no_grad():
-                    actions = pupil(torch.from_numpy(states[-1])).argmax(dim=1).numpy()
-            observation, *_ = batch.step(actions)
-    finally:
-        batch.close()
+    states: list[NDArray[np.float32]] = []
+    answers: list[NDArray[np.int64]] = []
+
+    def act(_: int, observation: NDArray[np.float32]) -> NDArray[np.int64]:
+        each = np.stack([policy.predict(observation) for policy in policies])
+        states.append(np.column_stack([observation, weight]).astype(np.float32))
+        answers.append(each[teacher, np.arange(_CRAWLERS)])
+        if pupil is None:
+            return answers[-1]
+        with torch.no_grad():
+            commands: NDArray[np.int64] = pupil(torch.from_numpy(states[-1])).argmax(dim=1).numpy()
+        return commands
+
+    for _ in long_episode(batch, act, holds, seed=int(generator.integers(2**31))):
+        pass
     return np.concatenate(states), np.concatenate(answers)

@@ -1,17 +1,16 @@
 """Policies and valve words over runs much longer than an episode, on seeds that no training has seen."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..envs import StickSlipCrawlerVectorEnv
+from .episodes import Act, long_episode
 from .evaluation import Acting, actor
 
 __all__ = ["LongRuns", "of_policy", "of_words"]
-
-Act = Callable[[NDArray[np.float32], int], NDArray[np.int64]]
 
 
 class LongRuns(NamedTuple):
@@ -48,7 +47,7 @@ def of_policy(
         Of as many runs as seeds.
     """
     act = actor(policy, len(seeds))
-    return _run(lambda observations, _: act(observations), env_kwargs, seeds, steps, burn_in)
+    return _run(lambda _, observations: act(observations), env_kwargs, seeds, steps, burn_in)
 
 
 def of_words(
@@ -75,7 +74,7 @@ def of_words(
     letters = np.repeat(letters, len(seeds), axis=0)
     of_each = np.arange(len(letters))
 
-    def act(_: NDArray[np.float32], step: int) -> NDArray[np.int64]:
+    def act(step: int, _: NDArray[np.float32]) -> NDArray[np.int64]:
         commands: NDArray[np.int64] = letters[of_each, step % lengths]
         return commands
 
@@ -87,12 +86,7 @@ def of_words(
 def _run(act: Act, env_kwargs: Mapping[str, Any], seeds: Sequence[int], steps: int, burn_in: int) -> LongRuns:
     environments = StickSlipCrawlerVectorEnv(len(seeds), **env_kwargs, max_episode_steps=None, copy=False)
     sums = np.zeros((3, len(seeds)))
-    observations, _ = environments.reset(seed=list(seeds))
-    try:
-        for step in range(burn_in + steps):
-            observations, rewards, _, _, infos = environments.step(act(observations, step))
-            if step >= burn_in:
-                sums += infos["speed"], infos["memory"], rewards
-    finally:
-        environments.close()
+    for k, _, rewards, infos in long_episode(environments, act, burn_in + steps, seed=seeds):
+        if k >= burn_in:
+            sums += infos["speed"], infos["memory"], rewards
     return LongRuns(*(sums / steps))

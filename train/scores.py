@@ -11,6 +11,7 @@ from ..common.validation import whole_number
 from ..crawler import Groups, Scene
 from ..envs import StickSlipCrawlerVectorEnv
 from ..reservoir import mean_over_runs
+from .episodes import long_episode
 from .evaluation import Acting, actor
 from .schedules import measured_under, Performance, performance
 
@@ -67,17 +68,11 @@ def roll_outs(
     batch = StickSlipCrawlerVectorEnv(len(seeds), **judging(env_kwargs), max_episode_steps=None, copy=False)
     command, valve = (np.empty((steps, len(seeds)), np.int64) for _ in range(2))
     paid = np.empty((2, steps, len(seeds)))
-    try:
-        act = actor(policy, len(seeds))
-        observation, _ = batch.reset(seed=list(seeds))
-        for k in range(steps):
-            command[k] = act(observation)
-            observation, _, _, _, infos = batch.step(command[k])
-            valve[k] = infos["valve"]
-            paid[:, k] = infos["speed"], infos["memory"]
-        crawlers = list(zip(batch.get_attr("episode_groups"), batch.get_attr("episode_scene"), strict=True))
-    finally:
-        batch.close()
+    act = actor(policy, len(seeds))
+    for k, commands, _, infos in long_episode(batch, lambda _, seen: act(seen), steps, seed=seeds):
+        command[k], valve[k] = commands, infos["valve"]
+        paid[:, k] = infos["speed"], infos["memory"]
+    crawlers = list(zip(batch.get_attr("episode_groups"), batch.get_attr("episode_scene"), strict=True))
     conditions = measured_under(batch.settings)
     return [
         Rollout(

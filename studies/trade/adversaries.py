@@ -19,16 +19,17 @@ from ...envs.settings import Settings
 from ...reservoir import memory_capacity
 from ...reservoir.bootstrap import Estimate, mean_over_runs
 from ...tasks import crawler_states
+from ...train.episodes import Act, long_episode
 from .conditions import conditions, refuse_silence
 from .judgement import held_out_seeds
 from .open_loop import commands_of
-from .rollouts import Act, arguments_of, WASHOUT
+from .rollouts import arguments_of, WASHOUT
 
 __all__ = ["ADVERSARIES", "HONEST", "Audit", "audit"]
 
 Bits = NDArray[np.int64]
 Adversary = Callable[[StickSlipCrawlerVectorEnv], Act]
-"""Takes the batch of environments that it is going to act in, and gives its joint action; see `roll_out_many`."""
+"""Takes the batch of environments that it is going to act in, and gives its joint action."""
 
 _FAST = "11100111000"
 # After so many holds, a multiple of its letters, a schedule begins again.
@@ -111,14 +112,10 @@ def _earned_and_held(
 ) -> NDArray[np.float64]:
     """Mean reward and capacity on each seed, shape (2, m)."""
     environment = _environment(settings, len(seeds), threads)
-    observations, _ = environment.reset(seed=list(seeds))
-    act = adversary(environment)
     valves = np.empty((len(seeds), WASHOUT + holds), np.int64)
     earned, messages = np.empty(valves.shape), np.empty(valves.shape)
-    for k in range(valves.shape[1]):
-        observations, _, _, _, infos = environment.step(act(k, observations))
+    for k, _, _, infos in long_episode(environment, adversary(environment), valves.shape[1], seed=seeds):
         valves[:, k], earned[:, k], messages[:, k] = infos["valve"], infos["memory"], infos["innovation"]
-    environment.close()
     held = [
         memory_capacity(
             crawler_states(

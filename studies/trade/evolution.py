@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from ...common.validation import whole_number
 from ...envs.settings import Settings
 from ...reservoir.bootstrap import Estimate
+from ...train.episodes import Act
 from ...train.schedules import pareto_front
 from .conditions import conditions, refuse_silence
 from .judgement import held_out_seeds, judge, Judgement
 from .registers import best_registers
-from .rollouts import Act, roll_out_many, runs_of
+from .rollouts import roll_out_many, runs_of
 
 __all__ = ["Evolved", "Feedback", "embedded", "evolved_feedback"]
 

@@ -15,10 +15,11 @@ from ...common.validation import whole_number
 from ...envs.settings import Settings
 from ...reservoir.bootstrap import Estimate
 from ...tasks import dithered
+from ...train.episodes import Act
 from ...train.schedules import necklaces
 from .conditions import conditions
 from .judgement import held_out_seeds, judge, Judgement, Runs
-from .rollouts import Act, WASHOUT
+from .rollouts import WASHOUT
 from .selection import select
 
 __all__ = ["OpenLoop", "commands_of", "open_loop_front", "schedule_runs"]

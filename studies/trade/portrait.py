@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs import StickSlipCrawlerVectorEnv
+from ...train.episodes import long_episode
 from ...train.policies import Policy
 
 __all__ = ["Imitation", "Portrait", "imitation", "portrait", "response"]
@@ -76,15 +77,15 @@ def portrait(
     size = environment.single_observation_space.shape or (0,)
     observations = np.empty((len(seeds), holds, *size), np.float32)
     commands, valves = np.empty((2, len(seeds), holds), np.int64)
-    seen, _ = environment.reset(seed=list(seeds))
-    for k in range(-_BURN_IN, holds):
-        asked = policy.predict(seen, chosen)
-        if k >= 0:
-            observations[:, k], commands[:, k] = seen, asked
-        seen, _, _, _, infos = environment.step(asked)
-        if k >= 0:
-            valves[:, k] = infos["valve"]
-    environment.close()
+
+    def act(k: int, seen: NDArray[np.float32]) -> Bits:
+        if k >= _BURN_IN:
+            observations[:, k - _BURN_IN] = seen
+        return policy.predict(seen, chosen)
+
+    for k, asked, _, infos in long_episode(environment, act, _BURN_IN + holds, seed=seeds):
+        if k >= _BURN_IN:
+            commands[:, k - _BURN_IN], valves[:, k - _BURN_IN] = asked, infos["valve"]
     return Portrait(policy, weight, observations, commands, valves)
 
 
@@ -107,16 +108,19 @@ def response(policy: Policy, weight: float | None = None, *, pairs: int = 256, s
         Share of pairs that differ in their command so many holds after the flip; 0 at lag 0, of the flip itself.
     """
     environment, chosen = _environment(policy, 2 * pairs), _weight(policy, weight)
-    seen, _ = environment.reset(seed=[seed + k // 2 for k in range(2 * pairs)])
     differ = np.zeros(_LAGS)
-    for k in range(-_BURN_IN, _LAGS):
+
+    def act(k: int, seen: NDArray[np.float32]) -> Bits:
         asked = np.array(policy.predict(seen, chosen))
-        if k >= 0:
-            differ[k] = np.mean(asked[::2] != asked[1::2])
-        if k == 0:
+        lag = k - _BURN_IN
+        if lag >= 0:
+            differ[lag] = np.mean(asked[::2] != asked[1::2])
+        if lag == 0:
             asked[1::2] ^= 1
-        seen, _, _, _, _ = environment.step(asked)
-    environment.close()
+        return asked
+
+    for _ in long_episode(environment, act, _BURN_IN + _LAGS, seed=[seed + k // 2 for k in range(2 * pairs)]):
+        pass
     return differ
 
 

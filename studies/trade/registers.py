@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ...common.validation import whole_number
 from ...envs.settings import Settings
 from ...reservoir.bootstrap import Estimate
+from ...train.episodes import Act
 from .conditions import conditions
 from .judgement import held_out_seeds, judge, Judgement
-from .rollouts import Act
 from .selection import select
 
 __all__ = ["Registers", "best_registers", "feedback_runs", "register_runs", "tables_of"]

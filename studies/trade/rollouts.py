@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from ...common.sharing import processors
 from ...envs import StickSlipCrawlerVectorEnv
 from ...envs.settings import Settings
+from ...train.episodes import Act, long_episode
 
 __all__ = ["WASHOUT", "Rollouts", "roll_out_many"]
 
 WASHOUT = 200
 """Holds at the start that are not scored, as in `memory_capacity`."""
 
-Act = Callable[[int, NDArray[np.float32]], NDArray[np.int64]]
 Runs = Callable[[int], tuple[NDArray[np.int64], NDArray[np.int64]]]
 
 # Of the scores of so many holds the means are nearly independent of each other.
@@ -57,8 +57,7 @@ def roll_out_many(
     Parameters
     ----------
     controllers : callable
-        Takes a slice of the `count` and gives their joint action: called at every step with its number, from 0, and
-        the observations (those, ...), it returns the commands (those,) of 0 and 1.
+        Takes a slice of the `count` and gives their joint action.
     count : int, >= 1
     holds : int
         Scored, after `WASHOUT` more: at least 200.
@@ -95,15 +94,12 @@ def _scores(
     blocks = max(2, round(holds / _BLOCK))
     ends = WASHOUT + np.arange(blocks + 1) * holds // blocks
     sums = np.zeros((blocks, 3, count))
-    observations, _ = environment.reset(seed=seed + part.start)
-    for k in range(WASHOUT + holds):
-        observations, _, _, _, infos = environment.step(act(k, observations))
+    for k, _, _, infos in long_episode(environment, act, WASHOUT + holds, seed=seed + part.start):
         if k >= WASHOUT:
             block = int(np.searchsorted(ends, k, side="right")) - 1
             sums[block, 0] += infos["speed"]
             sums[block, 1] += infos["memory"]
             sums[block, 2] += infos["innovation"] ** 2
-    environment.close()
     speeds, memories, squares = (sums / np.diff(ends)[:, np.newaxis, np.newaxis]).transpose(1, 0, 2)
     if settings.dither > 0.0 and settings.target == "memory":
         variances = squares / settings.variance
@@ -141,12 +137,8 @@ def runs_of(
         count * len(seeds), **arguments_of(settings), max_episode_steps=None, copy=False, threads=threads
     )
     commands, valves = np.empty((2, count, len(seeds), holds), np.int8)
-    observations, _ = environment.reset(seed=list(seeds) * count)
-    for k in range(holds):
-        command = act(k, observations)
-        observations, _, _, _, infos = environment.step(command)
+    for k, command, _, infos in long_episode(environment, act, holds, seed=seeds * count):
         commands[..., k] = command.reshape(count, -1)
         valves[..., k] = infos["valve"].reshape(count, -1)
-    environment.close()
     place = {seed: i for i, seed in enumerate(seeds)}
     return lambda seed: (commands[:, place[seed]].astype(np.int64), valves[:, place[seed]].astype(np.int64))

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.settings import Settings
+from ...train.episodes import Act
 from ...train.schedules import pareto_front
-from .rollouts import Act, roll_out_many, Rollouts
+from .rollouts import roll_out_many, Rollouts
 
 __all__ = ["Selection", "select", "undominated"]
 
