@@ -13,7 +13,7 @@ from stable_baselines3 import A2C, DQN, PPO
 from torch import nn
 
 from stickslip.train import StickSlipVecEnv
-from stickslip.train.policies import policy_of
+from stickslip.train.policies import Policy, policy_of
 from stickslip.train.run import Configuration
 
 KINDS = {"ppo": PPO, "a2c": A2C, "dqn": DQN, "qrdqn": QRDQN}
@@ -138,8 +138,8 @@ def test_a_policy_says_where_it_comes_from_and_nothing_changes_it():
             each.layers = ()
 
 
-class Weighed(StickSlipVecEnv):
-    """The observation with one number more, as a policy sees it that is trained for any weight."""
+class Wider(StickSlipVecEnv):
+    """Shows one number more than the environment does."""
 
     def __init__(self):
         super().__init__(1, **HARD)
@@ -148,18 +148,24 @@ class Weighed(StickSlipVecEnv):
         self.observation_space = type(space)(low.astype(np.float32), high.astype(np.float32))
 
 
-def test_a_conditioned_policy_takes_the_weight_beside_the_observation():
-    model = model_of(PPO, batch=Weighed())
-    policy = policy_of(model, described(), conditioned=True)
-    assert policy.conditioned
-    assert policy.description["observation_space"]["shape"] == [5]
+def test_a_model_of_other_observations_is_refused():
     with pytest.raises(ValueError, match="model must take the 5 numbers that the environment shows, it takes 6"):
-        policy_of(model, described())
-    with pytest.raises(ValueError, match="environment shows and the weight beside them, it takes 5"):
-        policy_of(model_of(PPO), described(), conditioned=True)
+        policy_of(model_of(PPO, batch=Wider()), described())
+
+
+def test_a_conditioned_policy_takes_the_weight_beside_the_observation():
+    description = policy_of(model_of(PPO, net_arch=[7]), described()).description
+    description |= {"conditioned": True, "network": {**description["network"], "sizes": [6, 7, 2]}}
+    generator = np.random.default_rng(0)
+    (first, bias), (last, offset) = [
+        (generator.normal(size=(b, a)).astype(np.float32), generator.normal(size=b).astype(np.float32))
+        for a, b in ((6, 7), (7, 2))
+    ]
+    policy = Policy([(first, bias), (last, offset)], description)
     seen, weights = observations(500, 5), np.random.default_rng(0).random(500)
     beside = np.column_stack([seen, weights]).astype(np.float32)
-    np.testing.assert_array_equal(policy.predict(seen, weights), model.predict(beside, deterministic=True)[0])
+    outputs = np.tanh(beside @ first.T.astype(np.float64) + bias) @ last.T.astype(np.float64) + offset
+    np.testing.assert_array_equal(policy.predict(seen, weights), outputs.argmax(axis=1))
     assert [int(policy.predict(one, 0.25)) for one in seen[:30]] == policy.predict(seen[:30], 0.25).tolist()
     np.testing.assert_array_equal(policy.predict(seen, 0.25), policy.predict(seen, np.full(500, 0.25)))
     assert not np.array_equal(policy.predict(seen, 0.0), policy.predict(seen, 1.0))

@@ -35,8 +35,6 @@ def policy_of(
     model: BaseAlgorithm,
     configuration: Configuration,
     scores: Mapping[str, Any] | None = None,
-    *,
-    conditioned: bool = False,
 ) -> Policy:
     """The policy of a trained model.
 
@@ -48,8 +46,6 @@ def policy_of(
         What it was trained by.
     scores : mapping, optional
         What it came to, ready for JSON; `stickslip.train.scores.score` measures it.
-    conditioned : bool
-        Whether it was trained for every weight of memory in the reward, which it then sees as its last number.
 
     Returns
     -------
@@ -66,9 +62,8 @@ def policy_of(
     layers, activation, outputs = _network(model)
     sizes = [layers[0].weight.shape[1], *(len(layer.bias) for layer in layers)]
     (seen,) = environment.observation_space.shape or (0,)
-    if sizes[0] != seen + conditioned:
-        beside = " and the weight beside them" if conditioned else ""
-        raise ValueError(f"model must take the {seen} numbers that the environment shows{beside}, it takes {sizes[0]}")
+    if sizes[0] != seen:
+        raise ValueError(f"model must take the {seen} numbers that the environment shows, it takes {sizes[0]}")
     description = {
         "format": FORMAT,
         "environment": configuration.environment,
@@ -76,7 +71,7 @@ def policy_of(
         "groups": environment.settings.groups.to_dict(),
         "observation_space": described_space(environment.observation_space) | {"names": _names(seen)},
         "action_space": described_space(environment.action_space),
-        "conditioned": conditioned,
+        "conditioned": False,
         "network": {"sizes": sizes, "activation": activation, "outputs": outputs},
         "algorithm": {
             "name": configuration.algorithm,
