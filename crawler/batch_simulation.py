@@ -131,12 +131,19 @@ def _runs(batch: Batch, body: Body, samples_per_hold: int, max_steps: int | None
         max_steps = (MAX_STEPS + STEPS_A_HOLD * holds) // max(1, batch.scenes[0].segments // _SEGMENTS_A_STEP)
     bodies = np.empty((len(body), count))
     bodies.T[:] = body
+    try:
+        samples = np.empty((count, 5, holds * samples_per_hold))
+    except (ValueError, MemoryError):
+        schedules = f"{count} schedules of {holds} holds" if count > 1 else f"{holds} holds"
+        raise ValueError(
+            f"samples_per_hold must leave the samples of {schedules} room in memory, got {samples_per_hold}"
+        ) from None
     return Runs(
         bodies,
         np.empty((len(Coefficients._fields), count)),
         batch.holds,
         np.full(count, min(max_steps, _MOST_STEPS), np.int64),
-        np.empty((count, 5, holds * samples_per_hold)),
+        samples,
         np.zeros((len(Ledger._fields), count)),
         np.full(count, UNFINISHED, np.int8),
         np.zeros(count),

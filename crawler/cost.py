@@ -23,7 +23,7 @@ from .model.equations import force, mobility_of, stiffness_at
 from .model.groups import Groups
 from .model.scene import Scene
 from .model.state import Coefficients, coefficients_of, FORWARD, STUCK
-from .model.tube import as_crawler
+from .model.tube import as_crawler, is_chain, node_masses
 from .motion.sampling import FARTHEST
 from .steps.options import STEPS_A_HOLD
 from .steps.radau import stages_for
@@ -100,17 +100,44 @@ class FastestRate(NamedTuple):
 
 
 def fastest_rate(groups: Groups, scene: Scene, deformation: float) -> FastestRate:
-    """The fastest of a crawler's rates about a deformation."""
+    """The fastest of a crawler's or a chain's rates about a deformation, of all segments alike."""
     coefficients = coefficients_of(groups, scene)
     lag = coefficients.lag_rate
     found = [FastestRate("the lag of the fluid (deborah)", lag, lag)]
+    of, masses = "", "foot_mass_fraction"
+    if is_chain(scene):
+        of, masses = " of the segments", "segments, tube_mass"
     for mode, phase in ((STUCK, "resting"), (FORWARD, "sliding")):
         if mode == STUCK or not scene.anchored:
-            frequency, damping = rates(coefficients, mode, deformation)
-            on = f"over a {phase} foot"
-            found.append(FastestRate(f"the damping {on} (damping_ratio, foot_mass_fraction)", damping, damping))
-            found.append(FastestRate(f"the spring {on} (duffing, foot_mass_fraction)", frequency, 0.5 * damping))
+            if is_chain(scene):
+                frequency, damping = _rates_of_chain(groups, scene, mode, deformation)
+            else:
+                frequency, damping = rates(coefficients, mode, deformation)
+            on = f"{of} over a {phase} foot"
+            found.append(FastestRate(f"the damping{on} (damping_ratio, {masses})", damping, damping))
+            found.append(FastestRate(f"the spring{on} (duffing, {masses})", frequency, 0.5 * damping))
     return max(found, key=lambda fastest: fastest.rate)
+
+
+def _rates_of_chain(groups: Groups, scene: Scene, mode: int, deformation: float) -> Rates:
+    """Rates of a chain's fastest mode about a deformation, without pressure.
+
+    Its nodes obey m_j u_j' = F_j - F_{j+1} and its segments D_i' = N (u_i - u_{i-1}), so that both rates are those of a
+    crawler whose mobility is the largest eigenvalue of a tridiagonal matrix.
+    """
+    from scipy.linalg import eigh_tridiagonal  # whose import is long, and a refusal is rare
+
+    mobility = 1.0 / node_masses(groups, scene)
+    if mode == STUCK:
+        mobility[0] = 0.0
+    last = scene.segments - 1
+    [largest] = eigh_tridiagonal(
+        mobility[:-1] + mobility[1:], -mobility[1:-1], eigvals_only=True, select="i", select_range=(last, last)
+    )
+    mobility_of_mode = scene.segments * float(largest)
+    coefficients = coefficients_of(groups, scene)
+    stiffness = stiffness_at(coefficients, deformation, 0.0)
+    return Rates(math.sqrt(mobility_of_mode * stiffness), mobility_of_mode * coefficients.damping)
 
 
 def predicted_cost(solver: str, groups: Groups, scene: Scene, hold: float, tolerance: float) -> float:

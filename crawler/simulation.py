@@ -91,7 +91,7 @@ def simulate(
     ------
     ValueError, TypeError
         If an argument is out of its range or of the wrong type, "closed_form" is asked for of groups that are not
-        linear, or `condition` of a chain of heavy segments; the message names it.
+        linear, or `condition` of a chain of heavy segments, or if the samples have no room; the message names it.
     SolverError
         If the motion diverges (it can where Pi5 > 1 and Pi1 = 0) or takes more than `max_steps`; of a batch the message
         names the row.

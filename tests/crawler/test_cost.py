@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from stickslip.crawler import cost, Groups, Scene, simulate
 from stickslip.crawler.cost import predicted_cost, predicted_steps
@@ -254,6 +255,27 @@ def test_the_fastest_rate_is_the_largest_of_all():
         if "lag" not in name:
             share = r if "damping" in name else math.sqrt(r)
             assert anchored.rate == pytest.approx(share * rate)
+
+
+@pytest.mark.parametrize("anchored", [False, True])
+@pytest.mark.parametrize("segments", [2, 7])
+def test_the_fastest_rate_of_a_chain_is_that_of_its_masses_and_springs(anchored, segments):
+    groups, scene = Groups(duffing=0.7, damping_ratio=0.01), Scene(segments=segments, tube_mass=0.3, anchored=anchored)
+    masses = np.full(segments + 1, 0.3 / segments)
+    masses[[0, -1]] = 0.5 * masses[0] + [groups.foot_mass_fraction, 1.0 - groups.foot_mass_fraction]
+    ends = np.diff(np.eye(segments + 1), axis=0)
+    springs = segments * (1.0 + 3.0 * 0.7 * 0.5**2) * ends.T @ ends
+    moving = slice(1, None) if anchored else slice(None)
+    squares = scipy.linalg.eigvals(springs[moving, moving] / masses[moving, None]).real
+    phase = "resting" if anchored else "sliding"
+    found = cost.fastest_rate(groups, scene, 0.5)
+    assert found.name == f"the spring of the segments over a {phase} foot (duffing, segments, tube_mass)"
+    assert found.rate == pytest.approx(math.sqrt(squares.max()))
+    damping = groups.damping_ratio * squares.max() / (1.0 + 3.0 * 0.7 * 0.5**2)
+    assert found.decay == pytest.approx(damping)
+    dampened = cost.fastest_rate(Groups(duffing=0.7, damping_ratio=9.0), scene, 0.5)
+    assert dampened.name == f"the damping of the segments over a {phase} foot (damping_ratio, segments, tube_mass)"
+    assert dampened.rate == pytest.approx(2.0 * damping * 9.0 / groups.damping_ratio)
 
 
 def test_predicted_steps_add_up():

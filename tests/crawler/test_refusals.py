@@ -217,6 +217,16 @@ def test_a_chain_is_not_told_to_take_a_solver_that_refuses_it():
     assert "radau" not in says
 
 
+@pytest.mark.parametrize("samples", [10**17, 10**30])
+@pytest.mark.parametrize(
+    ("groups", "rows"), [({}, "3 holds"), ([{}, {}], "2 schedules of 3 holds")], ids=["one", "batch"]
+)
+def test_samples_that_no_memory_holds_are_refused(groups, rows, samples):
+    says = f"samples_per_hold must leave the samples of {rows} room in memory, got {samples}"
+    with pytest.raises(ValueError, match=says):
+        simulate(groups, [1, 0, 1], 1.0, samples_per_hold=samples)
+
+
 def test_slips_that_accumulate_are_told_by_their_number():
     error = solver_error(OUT_OF_STEPS, 1.0, 0.5, 100_000, Groups(), Scene(), 1e-6, "radau", 40_000)
     assert re.search(r"40000 slips have accumulated, \d+.* in the time of a swing", str(error))
@@ -344,15 +354,21 @@ SPENT = {
         "a larger max_steps, a looser tolerance, or less of that",
     ),
     "chain": (
-        {},
+        {"damping_ratio": 0.0},
         [1, 0] * 4,
         20.0,
         {"max_steps": 50, "scene": {"segments": 3, "tube_mass": 0.25}},
-        "spring sliding",
+        "chain sliding",
         "swings",
         f"fewer segments than 3, more tube_mass than 0.25, {SWING_REMEDIES}",
     ),
 }
+
+
+def fastest_mode(masses):
+    """Square of the fastest rate of masses with springs of one between them."""
+    ends = np.diff(np.eye(len(masses)), axis=0)
+    return np.linalg.eigvals(ends.T @ ends / np.array(masses)[:, None]).real.max()
 
 
 def fastest(kind, groups, z):
@@ -360,6 +376,8 @@ def fastest(kind, groups, z):
     name, _, foot = kind.partition(" ")
     r = groups.foot_mass_fraction
     mass = 1.0 - r if foot == "resting" else r * (1.0 - r)
+    # A chain of three springs, each thrice as stiff, whose mass of a quarter their ends bear.
+    masses = [r + 1 / 24, 1 / 12, 1 / 12, 1.0 - r + 1 / 24]
     return {
         "lag": ("the lag of the fluid (deborah)", 1.0 / groups.deborah),
         "damping": (
@@ -369,6 +387,10 @@ def fastest(kind, groups, z):
         "spring": (
             f"the spring over a {foot} foot (duffing, foot_mass_fraction)",
             np.sqrt((1.0 + 3.0 * groups.duffing * z**2) / mass),
+        ),
+        "chain": (
+            f"the spring of the segments over a {foot} foot (duffing, segments, tube_mass)",
+            np.sqrt(3.0 * (1.0 + 3.0 * groups.duffing * z**2) * fastest_mode(masses)),
         ),
     }[name]
 
