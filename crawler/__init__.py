@@ -5,7 +5,7 @@ from .model.groups import Groups, GroupsLike, PRESETS
 from .model.scene import Scene
 from .model.state import ChainState, REST, State
 from .motion.balance import EnergyWarning
-from .refusals import SolverError
+from .refusals import SlipWarning, SolverError
 from .simulation import simulate
 from .trajectory import EVENT, Trajectory
 
@@ -20,6 +20,7 @@ __all__ = [
     "GroupsLike",
     "Scales",
     "Scene",
+    "SlipWarning",
     "SolverError",
     "State",
     "Trajectory",

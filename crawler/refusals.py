@@ -1,6 +1,7 @@
-"""What an unfinished run means: where it got to, why no further, and what to change."""
+"""What an unfinished or an unresolved run means: where it got to, why no further, and what to change."""
 
 import math
+import warnings
 
 from .cost import fastest_rate, FastestRate
 from .model.groups import Groups
@@ -9,7 +10,7 @@ from .model.tube import is_chain
 from .motion.sampling import FARTHEST
 from .steps.options import DIVERGED
 
-__all__ = ["SolverError", "solver_error"]
+__all__ = ["SlipWarning", "SolverError", "solver_error", "warn_of_slips"]
 
 # Decades from 1 beyond which a group leaves no digits to the others.
 _ABSURD = 15.0
@@ -20,6 +21,36 @@ _TAKE_RADAU = "solver='radau'"
 
 class SolverError(RuntimeError):
     """The motion diverged or the solver ran out of steps; the message says where, why and what to change."""
+
+
+class SlipWarning(UserWarning):
+    """More slips were counted than the tolerance resolves; the message says how many, and what to change."""
+
+
+def warn_of_slips(slips: int, length: float, tolerance: float, scene: Scene, whose: str = "") -> None:
+    """Warn that the slips of a run are shorter than its tolerance.
+
+    Parameters
+    ----------
+    slips : int
+    length : float
+        Mean way of the foot in one, z_c.
+    tolerance : float
+    scene : Scene
+    whose : str
+        What the message begins with.
+
+    Warns
+    -----
+    SlipWarning
+    """
+    other = "" if is_chain(scene) else f" or {_TAKE_RADAU}"
+    warnings.warn(
+        f"{whose}the foot broke loose {slips} times, for {length:.2g} on average, which is less than the tolerance "
+        f"{tolerance:g}: so short slips may come and go with the solver's error; take a smaller tolerance{other}",
+        SlipWarning,
+        stacklevel=3,
+    )
 
 
 def solver_error(

@@ -21,7 +21,7 @@ from .model.state import BACKWARD, Body, ChainState, FOOT, FORWARD, Ledger, REST
 from .model.tube import is_chain, stretches_of
 from .model.variations import HOLDS
 from .motion.balance import Balance, balance_each, balance_of, check_balance, Store
-from .refusals import solver_error, SolverError
+from .refusals import solver_error, SolverError, warn_of_slips
 from .solvers import AUTO, NAMES, SOLVERS
 from .steps.options import FINISHED
 from .trajectory import EVENT, Trajectory
@@ -29,6 +29,8 @@ from .trajectory import EVENT, Trajectory
 __all__ = ["TOLERANCES", "simulate"]
 
 TOLERANCES = "[1e-15, 1e-2]"
+# Fewer short slips than these are those of a body that hardly moves.
+_MANY_SLIPS = 100
 _RANGES = dict.fromkeys((f"initial {name}" for name in State._fields), "(-inf, inf)") | {"initial pressure": "[0, 1]"}
 
 
@@ -100,6 +102,8 @@ def simulate(
     -----
     EnergyWarning
         If the energies of a run do not add up, by more than the solver's error explains.
+    SlipWarning
+        If "taylor" counted many slips which are shorter on average than its tolerance: it may make them itself.
     """
     batch, single, shared = _batch(groups, valve, hold, scene)
     tolerance = number_within("tolerance", tolerance, TOLERANCES)
@@ -136,9 +140,16 @@ def simulate(
         error = _error(batch, driven, int(failed[0]), tolerance)
         raise error if single else SolverError(f"crawler {failed[0]}: {error}")
 
+    (work, viscous, friction, _), slips = runs.ledgers, runs.bodies[SLIPS].astype(np.int64)
+    for i in np.flatnonzero((slips >= _MANY_SLIPS) & (driven.solvers == NAMES.index("taylor"))).tolist():
+        kinetic = batch.crawlers[i].kinetic_friction
+        length = friction[i] / kinetic / slips[i] if kinetic > 0.0 else math.inf
+        if length < tolerance:
+            whose = "" if single else f"crawler {i}: "
+            warn_of_slips(int(slips[i]), length, tolerance, batch.scenes[i], whose)
+
     fractions = np.arange(1, samples_per_hold + 1) / samples_per_hold
     grid = (np.arange(batch.schedule.shape[1])[:, np.newaxis] + fractions).ravel()
-    (work, viscous, friction, _), slips = runs.ledgers, runs.bodies[SLIPS].astype(np.int64)
 
     def shaped(values: NDArray[Any]) -> Any:
         return values[0] if single else values

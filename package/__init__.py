@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 from gymnasium.envs.registration import register
 
 if TYPE_CHECKING:
-    from .crawler import Actuator, EnergyWarning, Groups, Scene, simulate, Trajectory
+    from .crawler import Actuator, EnergyWarning, Groups, Scene, simulate, SlipWarning, Trajectory
     from .reservoir import memory_capacity
     from .tasks.transformer import CrawlerReservoir
     from .train.policies.pretrained import pretrained
@@ -23,6 +23,7 @@ _HOME = {
     "EnergyWarning": "stickslip.crawler",
     "Groups": "stickslip.crawler",
     "Scene": "stickslip.crawler",
+    "SlipWarning": "stickslip.crawler",
     "Trajectory": "stickslip.crawler",
     "simulate": "stickslip.crawler",
     "memory_capacity": "stickslip.reservoir",
@@ -35,6 +36,7 @@ __all__ = [
     "EnergyWarning",
     "Groups",
     "Scene",
+    "SlipWarning",
     "Trajectory",
     "__version__",
     "memory_capacity",

@@ -1,11 +1,12 @@
 """What `simulate` refuses, and how it says so."""
 
 import re
+import warnings
 
 import numpy as np
 import pytest
 
-from stickslip.crawler import batch_simulation, Groups, Scene, simulate, SolverError, State
+from stickslip.crawler import batch_simulation, Groups, Scene, simulate, SlipWarning, SolverError, State
 from stickslip.crawler.loop import advance
 from stickslip.crawler.model.state import Body, coefficients_of, NOTHING_YET, STUCK
 from stickslip.crawler.refusals import solver_error
@@ -215,6 +216,29 @@ def test_a_chain_is_not_told_to_take_a_solver_that_refuses_it():
     says = refusal(Groups(damping_ratio=100.0), [1], 10.0, max_steps=20, scene=chain, tolerance=1e-12)
     assert "too stiff for this solver; take fewer segments than 7, more tube_mass than 0.3, a larger max_steps" in says
     assert "radau" not in says
+
+
+CREEPING = Groups(damping_ratio=1e4, static_friction=2e-5, kinetic_friction=1e-5)
+# Those of the stiff judge, and of any solver at a tolerance below the friction.
+SLIPS_OF_CREEPING = 1
+
+
+@pytest.mark.parametrize(
+    ("solver", "tolerance", "told"),
+    [("taylor", 1e-3, True), ("taylor", 1e-6, False), ("radau", 1e-3, False)],
+)
+def test_slips_that_a_tolerance_does_not_resolve_are_told(solver, tolerance, told):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        done = simulate([Groups(), CREEPING], [1, 1, 1, 1, 0, 0, 0, 0], 1.0, solver=solver, tolerance=tolerance)
+    assert (done.slips[1] == SLIPS_OF_CREEPING) != told
+    assert [each.category for each in caught] == [SlipWarning] * told
+    for each in caught:
+        says = (
+            rf"crawler 1: the foot broke loose {done.slips[1]} times, for \S+ on .* than the tolerance 0.001: .*'radau'"
+        )
+        assert re.match(says, str(each.message))
+        assert each.filename == __file__
 
 
 @pytest.mark.parametrize("samples", [10**17, 10**30])
