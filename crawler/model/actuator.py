@@ -2,10 +2,13 @@
 
 import math
 from dataclasses import dataclass, fields
-from typing import NamedTuple, Self
+from typing import NamedTuple, Self, TYPE_CHECKING
 
 from ...common.validation import number_within, whole_number
 from .groups import Groups
+
+if TYPE_CHECKING:
+    from .tube_force import Tube
 
 __all__ = ["STANDARD_GRAVITY", "Actuator", "Scales"]
 
@@ -170,10 +173,10 @@ class Actuator:
         if inner_radius >= outer_radius:
             raise ValueError(f"inner_radius must be in (0, outer_radius = {outer_radius!r}), got {inner_radius!r}")
         wall_area = math.pi * (outer_radius**2 - inner_radius**2)
-        tube_mass = density * wall_area * length
+        half = 0.5 * density * wall_area * length
         return cls(
-            payload_mass=payload_mass + 0.5 * tube_mass,
-            foot_mass=foot_mass + 0.5 * tube_mass,
+            payload_mass=payload_mass + half,
+            foot_mass=foot_mass + half,
             stiffness=youngs_modulus * wall_area / length,
             cubic_stiffness=cubic_stiffness,
             damping=damping,
@@ -181,6 +184,68 @@ class Actuator:
             peak_pressure=peak_pressure,
             lag=lag,
             radial_coupling=radial_coupling,
+            static_friction=static_friction,
+            kinetic_friction=kinetic_friction,
+            gravity=gravity,
+            segments=segments,
+        )
+
+    @classmethod
+    def from_elastomer(
+        cls,
+        tube: "Tube",
+        *,
+        density: float,
+        payload_mass: float,
+        foot_mass: float,
+        peak_pressure: float,
+        lag: float,
+        static_friction: float,
+        kinetic_friction: float,
+        damping: float = 0.0,
+        gravity: float = STANDARD_GRAVITY,
+        segments: int = 1,
+    ) -> Self:
+        """Lump a tube whose stiffness, cubic stiffness, area and coupling follow from its elastomer.
+
+        They are those of the lumped body nearest to the tube between rest and where the peak pressure holds it
+        (:meth:`Tube.lumped`, which tells how near that is). The tube's mass is shared equally by the two ends.
+
+        Parameters
+        ----------
+        tube : Tube
+        density, payload_mass, foot_mass, peak_pressure, lag, static_friction, kinetic_friction, damping, gravity
+            As in :meth:`from_tube`.
+        segments : int
+            N >= 1.
+
+        Returns
+        -------
+        Actuator
+
+        Raises
+        ------
+        ValueError
+            If a value is out of range, the tube balloons under the peak pressure, or pressure does not push it.
+        """
+        for name, value in {"density": density, "payload_mass": payload_mass, "foot_mass": foot_mass}.items():
+            number_within(name, value, "[0, 1e15]")
+        if tube.thread_radius is None:
+            raise ValueError(
+                "tube must have a thread_radius, got None: pressure does not lengthen a tube without threads"
+            )
+        half = 0.5 * density * math.pi * (tube.outer_radius**2 - tube.inner_radius**2) * tube.length
+        body = tube.lumped((0.0, tube.deformation_at(peak_pressure)), peak_pressure)
+        return cls(
+            payload_mass=payload_mass + half,
+            foot_mass=foot_mass + half,
+            stiffness=body.stiffness,
+            cubic_stiffness=body.cubic_stiffness,
+            damping=damping,
+            bore_area=body.pressure_area,
+            peak_pressure=peak_pressure,
+            lag=lag,
+            radial_coupling=body.radial_coupling,
             static_friction=static_friction,
             kinetic_friction=kinetic_friction,
             gravity=gravity,
