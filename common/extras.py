@@ -16,6 +16,7 @@ EXTRAS = {
     "export": ("onnx", "onnxruntime"),
     "demo": ("jinja2",),
     "dask": ("distributed",),
+    "maps": ("xarray", "zarr"),
     "peers": ("envpool", "heyoka", "diffrax", "jax", "mujoco", "reservoirpy"),
 }
 """Packages that can be imported by the least extra in `pyproject.toml` that installs them."""

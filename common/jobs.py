@@ -46,6 +46,8 @@ def as_done(
     ------
     BaseException
         What a job raised, or an interrupt, once the others are stopped.
+    ConnectionError, OSError
+        If the cluster is not there or goes away.
     MissingExtra
         If Dask is asked for and not installed.
     """
@@ -88,6 +90,8 @@ def _by_dask(work: Callable[[Job], Result], jobs: Sequence[Job], dask: "str | Cl
             client.submit(work, job, key=f"stickslip-{uuid4().hex}", priority=-k): k for k, job in enumerate(jobs)
         }
         for future, result in distributed.as_completed(futures, loop=client.loop, with_results=True):
+            if future.cancelled():  # the exception is in the result's place
+                raise ConnectionError(f"the cluster went away: {result}")
             yield futures[future], result
             future.release()
     finally:

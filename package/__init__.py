@@ -12,6 +12,7 @@ from gymnasium.envs.registration import register
 if TYPE_CHECKING:
     from .crawler import Actuator, EnergyWarning, Groups, Scene, simulate, SlipWarning, Trajectory
     from .reservoir import memory_capacity
+    from .studies.maps import parameter_map
     from .tasks.transformer import CrawlerReservoir
     from .train.policies.pretrained import pretrained
 
@@ -27,6 +28,7 @@ _HOME = {
     "Trajectory": "stickslip.crawler",
     "simulate": "stickslip.crawler",
     "memory_capacity": "stickslip.reservoir",
+    "parameter_map": "stickslip.studies.maps",
     "pretrained": "stickslip.train.policies.pretrained",
 }
 
@@ -40,6 +42,7 @@ __all__ = [
     "Trajectory",
     "__version__",
     "memory_capacity",
+    "parameter_map",
     "pretrained",
     "simulate",
 ]

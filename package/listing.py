@@ -4,6 +4,8 @@ from .common.extras import MissingExtra
 from .crawler import PRESETS
 from .crawler.solvers import AUTO, SOLVERS
 from .studies.benchmark.sweep import SWEPT
+from .studies.maps import MEASURES as MAPPED
+from .studies.maps.axes import NUMBERS
 from .tasks import ENCODINGS, MEASURES, RESERVOIRS, TASKS
 from .train.policies.pretrained import PRETRAINED
 
@@ -36,4 +38,6 @@ def known_by_name() -> dict[str, list[str]]:
         "encodings": list(ENCODINGS),
         "solvers": [AUTO, *SOLVERS],
         "sweeps": list(SWEPT),
+        "numbers of a map": list(NUMBERS),
+        "measures of a map": list(MAPPED),
     }

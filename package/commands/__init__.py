@@ -11,7 +11,7 @@ from ..common.terminal import say_what_can_be_said
 with optional_import():
     import typer
 
-from . import bench, compilation, demo, evaluate, export, names, search, speed, trade, train
+from . import bench, compilation, demo, evaluate, export, mapping, names, search, speed, trade, train
 from .interruption import continued, INTERRUPTED, Interruptible, resumed
 
 __all__ = ["app", "run"]
@@ -32,6 +32,7 @@ app.command("export", cls=Interruptible)(export.export)
 app.command("speed", cls=Interruptible)(speed.speed)
 app.command("bench", cls=resumed("finished"))(bench.bench)
 app.command("search", cls=continued())(search.search)
+app.command("map", cls=continued())(mapping.map_numbers)
 app.command("compile", cls=Interruptible)(compilation.compile_kernels)
 
 

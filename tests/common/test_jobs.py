@@ -157,3 +157,12 @@ def test_a_backend_of_joblib_that_the_caller_has_chosen_does_the_work(cluster):
         done = list(as_done(square, [3, 4, 5, 6], processes=2))
     assert squares(done) == SQUARES
     assert {pid for _, (_, pid) in done} == {os.getpid()}
+
+
+@pytest.mark.slow
+def test_a_cluster_that_goes_away_is_told(cluster):
+    results = as_done(sleepy, range(20), dask=cluster.scheduler_address)
+    next(results)
+    cluster.close()
+    with pytest.raises(ConnectionError, match="the cluster went away"):
+        list(results)

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["plot_sweep"]
+__all__ = ["SWEPT_LABELS", "plot_sweep"]
 
-_SWEPT_LABELS = {
+SWEPT_LABELS = {
     "hold": "hold ($t_c$)",
     "amplitude": "peak pressure (relative)",
     "duffing": r"duffing $\Pi_1$",
@@ -30,6 +30,7 @@ _SWEPT_LABELS = {
     "kinetic_friction": "kinetic friction $k$",
     "slope": "slope (weight along the ground)",
 }
+"""Names and units of what can be swept, for an axis."""
 
 
 def plot_sweep(
@@ -71,7 +72,7 @@ def plot_sweep(
             ax.axhline(metric.chance, color="0.5", lw=0.8, ls="--", zorder=0)
             if min(values) > 0 and max(values) > 4 * min(values):
                 _log_axis(ax, values)
-            ax.set(xlabel=_SWEPT_LABELS.get(name, name.replace("_", " ")), ylabel=metric.name)
+            ax.set(xlabel=SWEPT_LABELS.get(name, name.replace("_", " ")), ylabel=metric.name)
             ax.set_title(f"{title} {arrow(tasks[title])}", loc="left", fontsize=9)
         for ax in axes.flat[len(found) :]:
             ax.set_axis_off()

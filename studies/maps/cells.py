@@ -1,0 +1,131 @@
+"""The work of a block of cells: a plan in, numbers out. Nothing is written here."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.threads import library_threads
+from ...crawler import simulate, SolverError
+from ...tasks import BodyReservoir
+from .inputs import Driving
+from .measures import Driven, MEASURES
+from .plan import Block, Plan
+
+__all__ = ["FINISHED", "GAVE_UP", "NO_SUCH_BODY", "UNFINISHED", "Job", "measured"]
+
+UNFINISHED, FINISHED, NO_SUCH_BODY, GAVE_UP = range(4)
+"""What a cell can be: to be done, done, of a body that cannot be, or of a run that the solver gave up."""
+
+
+class Job(NamedTuple):
+    """A block and what its work depends on."""
+
+    plan: Plan
+    block: Block
+    threads: int | None = None
+    """Most that share it; all processors by default."""
+
+
+class _Run(NamedTuple):
+    body: BodyReservoir
+    dither: float
+    driving: Driving
+
+
+def measured(job: Job) -> dict[str, NDArray[Any]]:
+    """Drive the crawlers of a block and measure them: the same to the bit wherever and however often it is done.
+
+    Parameters
+    ----------
+    job : Job
+
+    Returns
+    -------
+    dict of str to ndarray of shape (cells, seeds) or (cells, seeds, points)
+        By variable, not a number where a cell is of no body or the solver gave up; and "status" of shape (cells,).
+    """
+    plan, block = job.plan, job.block
+    cells, seeds = block.last - block.first, len(plan.seeds)
+    runs: list[_Run] = []
+    places: list[int] = []
+    status = np.full(cells, FINISHED, np.int8)
+    drawn: dict[float, list[Driving]] = {}
+    for cell in range(cells):
+        numbers = plan.numbers(block.row, block.first + cell)
+        dither = numbers.pop("dither", plan.inputs.dither)
+        if dither not in drawn:
+            inputs = replace(plan.inputs, dither=dither)
+            drawn[dither] = [inputs.drawn(plan.holds, seed) for seed in plan.seeds]
+        if not _possible(plan.body, numbers):
+            status[cell] = NO_SUCH_BODY
+            continue
+        body = plan.body.varied(numbers)
+        runs += [_Run(body, dither, driving) for driving in drawn[dither]]
+        places += range(cell * seeds, (cell + 1) * seeds)
+    found = {
+        name: np.full((cells * seeds, *([len(plan.points[each.along])] if each.along else [])), np.nan)
+        for name, each in plan.variables.items()
+    }
+    with library_threads(1):
+        _measure(plan, runs, places, job.threads, found)
+    finished = np.ones(cells * seeds, np.bool_)
+    for name, each in found.items():
+        finished &= ~np.isnan(each.reshape(cells * seeds, -1)).any(axis=1)
+        found[name] = each.reshape(cells, seeds, *each.shape[1:])
+    status[(status == FINISHED) & ~finished.reshape(cells, seeds).all(axis=1)] = GAVE_UP
+    return {**found, "status": status}
+
+
+def _possible(body: BodyReservoir, numbers: dict[str, float]) -> bool:
+    own = body.groups.to_dict() | numbers
+    return own["kinetic_friction"] <= own["static_friction"]
+
+
+def _measure(
+    plan: Plan, runs: Sequence[_Run], places: Sequence[int], threads: int | None, found: dict[str, NDArray[Any]]
+) -> None:
+    """Measure runs into their places; those that the solver gives up are found by halves, and left out."""
+    if not runs:
+        return
+    try:
+        driven = _drive(plan, runs, threads)
+        told = {name: each for measure in plan.measures for name, each in MEASURES[measure].compute(driven).items()}
+    except SolverError:
+        half = len(runs) // 2
+        if half:
+            _measure(plan, runs[:half], places[:half], threads, found)
+            _measure(plan, runs[half:], places[half:], threads, found)
+        return
+    for name, each in told.items():
+        found[name][list(places)] = each
+
+
+def _drive(plan: Plan, runs: Sequence[_Run], threads: int | None) -> Driven:
+    bodies = [run.body for run in runs]
+    valve = np.array([run.driving.valve for run in runs])
+    holds = np.array([body.hold for body in bodies])
+    motion = simulate(
+        [body.groups for body in bodies],
+        valve,
+        holds,
+        scene=[body.scene for body in bodies],
+        tolerance=plan.body.tolerance,
+        samples_per_hold=plan.body.samples_per_hold,
+        threads=threads,
+    )
+    return Driven(
+        groups=[body.groups for body in bodies],
+        scenes=[body.scene for body in bodies],
+        holds=holds,
+        dithers=np.array([run.dither for run in runs]),
+        valve=valve,
+        messages=np.array([run.driving.message for run in runs]),
+        motion=motion,
+        states=plan.body.read(motion),
+        delays=plan.delays,
+        washout=plan.washout,
+        tolerance=plan.body.tolerance,
+    )
