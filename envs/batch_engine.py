@@ -30,7 +30,7 @@ from .calibration import calibrated_memory, calibration_valves
 from .infos import COUNTS, NUMBERS
 from .observation import valves_seen
 from .rendering.frame import Frame, frame_of
-from .settings import Choice, columns_of_numbers, drawn_numbers, numbers_of, Settings
+from .settings import columns_of_numbers, CrawlerChoice, drawn_numbers, numbers_of, Settings
 from .state import CrawlerState
 
 __all__ = ["BatchEngine"]
@@ -114,7 +114,7 @@ class BatchEngine:
         self._names: Sequence[int] | NDArray[np.int64] = range(count)  # in messages
 
     def begin(
-        self, mask: NDArray[np.bool_], seeds: Sequence[int | None], choices: Sequence[Choice] | None = None
+        self, mask: NDArray[np.bool_], seeds: Sequence[int | None], choices: Sequence[CrawlerChoice] | None = None
     ) -> None:
         """Start the episodes of the crawlers in the mask.
 
@@ -152,7 +152,7 @@ class BatchEngine:
         if self._settings.randomize:
             self._sources[:, i] = whereabouts(generator)
 
-    def begin_again(self, mask: NDArray[np.bool_], choices: Sequence[Choice] | None = None) -> None:
+    def begin_again(self, mask: NDArray[np.bool_], choices: Sequence[CrawlerChoice] | None = None) -> None:
         """Start further episodes of the crawlers in the mask."""
         unsettled = mask & (self._strange | (self._solvers == ""))
         if self._settings.randomize or choices is not None or np.count_nonzero(unsettled):
@@ -232,7 +232,7 @@ class BatchEngine:
         """What the last step has told of a crawler: `stickslip.envs.infos.TOLD`."""
         return np.array([*self.results.numbers[: len(NUMBERS), i], *self.results.counts[:, i]])
 
-    def _draw(self, who: NDArray[np.int64], choices: Sequence[Choice] | None) -> None:
+    def _draw(self, who: NDArray[np.int64], choices: Sequence[CrawlerChoice] | None) -> None:
         """Settle who crawls where in the episodes to come."""
         self._strange[who] = choices is not None
         if choices is None:

@@ -18,7 +18,7 @@ from ..reservoir.targets import itself, ORDERS, Target, target_of, TARGETS
 
 __all__ = [
     "CRAWLER_OPTIONS",
-    "Choice",
+    "CrawlerChoice",
     "Settings",
     "columns_of_numbers",
     "drawn_numbers",
@@ -38,14 +38,14 @@ CRAWLER_OPTIONS = ("groups", _SLOPE)
 """Options of a reset that say who crawls where in the episode."""
 
 
-class Choice(NamedTuple):
+class CrawlerChoice(NamedTuple):
     """What the options of a reset settle of the episode's crawler."""
 
     groups: Mapping[str, float]
     slope: float | None
 
 
-_NOTHING = Choice({}, None)
+_NOTHING = CrawlerChoice({}, None)
 _NUMBERED = (*RANGES, _SLOPE)
 
 
@@ -144,7 +144,7 @@ class Settings:
         """Values of the target that are read out of a state."""
         return 1 if self.aim.single else self.delays
 
-    def choose(self, groups: GroupsLike | None = None, slope: float | None = None) -> Choice:
+    def choose(self, groups: GroupsLike | None = None, slope: float | None = None) -> CrawlerChoice:
         """Check what the options of a reset say of the episode's crawler.
 
         Parameters
@@ -164,9 +164,9 @@ class Settings:
         else:
             chosen = {} if groups is None else Groups.of(groups).to_dict()
         _worst(self.groups, {**self.randomize, **{name: Range(value, value) for name, value in chosen.items()}})
-        return Choice(chosen, None if slope is None else number_within(_SLOPE, slope, "(-inf, inf)"))
+        return CrawlerChoice(chosen, None if slope is None else number_within(_SLOPE, slope, "(-inf, inf)"))
 
-    def draw(self, generator: np.random.Generator, choice: Choice = _NOTHING) -> tuple[Groups, Scene]:
+    def draw(self, generator: np.random.Generator, choice: CrawlerChoice = _NOTHING) -> tuple[Groups, Scene]:
         """Crawler and world of an episode; as many numbers are drawn whatever is chosen."""
         if not self.randomize and choice is _NOTHING:
             return self.groups, self.scene

@@ -19,7 +19,7 @@ from .batch_engine import BatchEngine
 from .infos import begun, COUNTS, NUMBERS, TOLD
 from .observation import observation_space
 from .rendering.tiling import Tiles
-from .settings import Choice, CRAWLER_OPTIONS, known_options, refuse_unread, Settings
+from .settings import CRAWLER_OPTIONS, CrawlerChoice, known_options, refuse_unread, Settings
 from .single import StickSlipCrawlerEnv
 from .specification import Specified
 from .state import CrawlerState, refuse_foreign
@@ -489,7 +489,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         if self.closed:
             raise ClosedEnvironmentError("the vector environment is closed; make a new one")
 
-    def _choices(self, groups: Any = None, slope: Any = None) -> list[Choice]:
+    def _choices(self, groups: Any = None, slope: Any = None) -> list[CrawlerChoice]:
         """What the options of a reset settle of each crawler."""
         given = [option_of_each(name, value, self.num_envs) for name, value in (("groups", groups), ("slope", slope))]
         return [settings.choose(*one) for settings, *one in zip(self._engine.settings_of_each, *given, strict=True)]

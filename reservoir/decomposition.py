@@ -15,7 +15,7 @@ _TURNS = 20
 _NEW = 1e-6
 
 
-class InTurn(NamedTuple):
+class SequentialCapacity(NamedTuple):
     """What each of some functions adds to the capacity of those before it.
 
     Attributes
@@ -33,7 +33,7 @@ class InTurn(NamedTuple):
     influence: Array
 
 
-def capacity_in_turn(q: Array, rows: Array, block: int) -> InTurn:
+def sequential_capacity(q: Array, rows: Array, block: int) -> SequentialCapacity:
     """Capacity of what each function adds to those before it: a decomposition of the trace of two projections.
 
     Parameters
@@ -46,11 +46,11 @@ def capacity_in_turn(q: Array, rows: Array, block: int) -> InTurn:
 
     Returns
     -------
-    InTurn
+    SequentialCapacity
     """
     blocks = len(q) // block
     if rows.size == 0:
-        return InTurn(np.zeros(len(rows)), np.zeros(len(rows)), np.zeros((len(rows), blocks)))
+        return SequentialCapacity(np.zeros(len(rows)), np.zeros(len(rows)), np.zeros((len(rows), blocks)))
     moved = (rows - rows.mean(axis=1, keepdims=True)).T
     norms = np.linalg.norm(moved, axis=0)
     turned, triangle = scipy.linalg.qr(moved, mode="economic", check_finite=False)
@@ -68,7 +68,7 @@ def capacity_in_turn(q: Array, rows: Array, block: int) -> InTurn:
         moved_by = (1 - capacity[i]) * turned[:, i] ** 2 - missed
         influence[i] = moved_by[: blocks * block].reshape(blocks, block).sum(axis=1)
     beyond = len(rows) - len(new)
-    return InTurn(np.pad(capacity, (0, beyond)), np.pad(by_chance, (0, beyond)), influence)
+    return SequentialCapacity(np.pad(capacity, (0, beyond)), np.pad(by_chance, (0, beyond)), influence)
 
 
 def _without_chance(explained: Array, by_chance: Array, rank: int) -> tuple[Array, Array]:
@@ -87,12 +87,12 @@ def _without_chance(explained: Array, by_chance: Array, rank: int) -> tuple[Arra
     return capacity, share
 
 
-def intervals(each: InTurn, confidence: float, rank: int) -> tuple[Array, tuple[float, float]]:
+def intervals(each: SequentialCapacity, confidence: float, rank: int) -> tuple[Array, tuple[float, float]]:
     """Intervals of confidence of the capacities and of their sum, from the influence of blocks of samples.
 
     Parameters
     ----------
-    each : InTurn
+    each : SequentialCapacity
     confidence : float, in (0, 1)
     rank : int
         Of the states, which bounds the sum.

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.validation import finite_array, known_names, number_within, whole_number
 from .bootstrap import usual_block
-from .decomposition import capacity_in_turn, intervals
+from .decomposition import intervals, sequential_capacity
 from .function_search import cutoff_of_surrogates, search
 from .orthonormal import of_usual_size, orthonormal_basis
 from .product_basis import legendre_polynomials, products, Term, walsh
@@ -275,7 +275,7 @@ def information_processing_capacity(
         warnings.warn(f"the budget of {budget} functions was spent; not tried: {left}", stacklevel=2)
     delay = np.array([term[-1][0] for term in found.terms], dtype=np.int64)
     block = usual_block(samples, delay) if len(delay) else 1
-    each = capacity_in_turn(q, products(functions, found.terms, start), block)
+    each = sequential_capacity(q, products(functions, found.terms, start), block)
     ends, total_interval = intervals(each, confidence, rank)
     return InformationCapacity(
         terms=tuple(found.terms),

@@ -14,7 +14,7 @@ from stickslip.reservoir import (
     memory_capacity,
     ranks,
 )
-from stickslip.reservoir.decomposition import capacity_in_turn, intervals, InTurn
+from stickslip.reservoir.decomposition import intervals, sequential_capacity, SequentialCapacity
 from stickslip.reservoir.orthonormal import orthonormal_basis
 from stickslip.reservoir.significance import chance, effective_events, events_needed, tail_quantile
 
@@ -125,16 +125,16 @@ def test_a_function_that_is_nothing_new_adds_nothing():
     q = heavy(300, 4)
     rows = np.random.default_rng(0).normal(size=(3, 300)) + 40 * q[:, :3].T + 2
     copied = np.vstack([rows[0], 3 * rows[0] + 1, rows[1], rows[0] - rows[1], rows[2]])
-    found = capacity_in_turn(q, copied, 20)
+    found = sequential_capacity(q, copied, 20)
     # A copy's rounding takes one direction of three hundred from those after it.
-    np.testing.assert_allclose(found.capacity[[0, 2, 4]], capacity_in_turn(q, rows, 20).capacity, rtol=0.05)
+    np.testing.assert_allclose(found.capacity[[0, 2, 4]], sequential_capacity(q, rows, 20).capacity, rtol=0.05)
     assert not found.capacity[[1, 3]].any()
     assert not found.influence[[1, 3]].any()
     # More functions than samples span them all, and no more.
-    many = capacity_in_turn(q[:30], np.random.default_rng(1).normal(size=(40, 30)), 5)
+    many = sequential_capacity(q[:30], np.random.default_rng(1).normal(size=(40, 30)), 5)
     assert many.capacity.shape == many.chance.shape == (40,)
     assert not many.capacity[30:].any()
-    empty = capacity_in_turn(q, np.zeros((0, 300)), 7)
+    empty = sequential_capacity(q, np.zeros((0, 300)), 7)
     assert (empty.capacity.shape, empty.influence.shape) == ((0,), (0, 42))
     ends, total = intervals(empty, 0.95, 4)
     assert (ends.shape, total) == ((2, 0), (0.0, 0.0))
@@ -253,7 +253,7 @@ def test_a_function_is_new_from_a_millionth_on():
     other -= other.mean() + q @ (q.T @ other)
     other /= np.linalg.norm(other)
     for share, new in ((0.97e-6, False), (1.03e-6, True)):
-        found = capacity_in_turn(q, np.vstack([other, other + share * q[:, 0]]), 10)
+        found = sequential_capacity(q, np.vstack([other, other + share * q[:, 0]]), 10)
         assert (found.capacity[1] > 0.9) == new
         assert (found.capacity[1] > 0) == new
 
@@ -263,7 +263,7 @@ def test_an_interval_holds_its_capacity_to_the_last_digit():
     capacity = np.array([0.0, 1.0, 1e-15, 1 - 1e-15, 0.3])
     influence = np.zeros((5, 8))
     influence[4] = 0.01 * np.arange(-3, 5)
-    ends, total = intervals(InTurn(capacity, 0 * capacity, influence), 0.9, 3)
+    ends, total = intervals(SequentialCapacity(capacity, 0 * capacity, influence), 0.9, 3)
     assert (ends[0] <= capacity).all()
     assert (capacity <= ends[1]).all()
     np.testing.assert_allclose(ends[:, :4], [capacity[:4]] * 2, rtol=0, atol=2e-12)
@@ -273,9 +273,9 @@ def test_an_interval_holds_its_capacity_to_the_last_digit():
     half_of_sum = stats.t(7).ppf(0.95) * np.sqrt(8 / 7 * np.sum(influence[4] ** 2))
     assert total == pytest.approx((2.3 - half_of_sum, 2.3 + half_of_sum))
     # It ends at the rank and at 0; a single block tells as little as two would.
-    assert intervals(InTurn(capacity, 0 * capacity, 100 * influence), 0.9, 3)[1] == (0, 3)
-    assert intervals(InTurn(capacity, 0 * capacity, 100 * influence), 0.9, 2)[1] == (0, pytest.approx(2.3))
-    _, single = intervals(InTurn(capacity, 0 * capacity, influence[:, :1]), 0.9, 3)
+    assert intervals(SequentialCapacity(capacity, 0 * capacity, 100 * influence), 0.9, 3)[1] == (0, 3)
+    assert intervals(SequentialCapacity(capacity, 0 * capacity, 100 * influence), 0.9, 2)[1] == (0, pytest.approx(2.3))
+    _, single = intervals(SequentialCapacity(capacity, 0 * capacity, influence[:, :1]), 0.9, 3)
     assert single == pytest.approx((2.3 - 0.03 * stats.t(1).ppf(0.95), 2.3 + 0.03 * stats.t(1).ppf(0.95)))
 
 
