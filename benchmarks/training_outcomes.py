@@ -160,9 +160,22 @@ def table_of_dithers(found: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def table_of_seconds(found: dict[str, Any]) -> str:
+    """What a training takes; the clock on the wall has waited for others, where the machine had more to do."""
+    lines = ["| seconds of one training, its verdict included | mean | least | most |", "| --- | ---: | ---: | ---: |"]
+    for name, what in (("processor", "of all threads together"), ("wall", "on the wall, the machine busy or not")):
+        each = [one["seconds"][name] for one in found.values()]
+        lines.append(f"| {what} | {np.mean(each):.0f} | {min(each):.0f} | {max(each):.0f} |")
+    return "\n".join(lines)
+
+
 def tables(found: dict[str, Any]) -> dict[str, str]:
     """What the page shows, by the names of its marks."""
-    return {"outcomes": table_of_weights(found), "limits": table_of_dithers(found)}
+    return {
+        "outcomes": table_of_weights(found),
+        "limits": table_of_dithers(found),
+        "seconds of a training": table_of_seconds(found),
+    }
 
 
 def main() -> None:

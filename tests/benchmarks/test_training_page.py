@@ -68,6 +68,20 @@ def test_outcomes_are_counted_by_weight_and_in_all(monkeypatch):
     ]
 
 
+def test_a_training_takes_a_minute_of_one_processor_at_most():
+    found = json.loads(training_outcomes.RESULTS.read_text(encoding="utf-8"))["outcomes"]
+    assert len(found) > 70
+    assert max(each["seconds"]["processor"] for each in found.values()) < 60.0
+
+
+def test_seconds_are_told_of_all_threads_and_on_the_wall():
+    found = {str(k): {"seconds": {"processor": 20.0 + k, "wall": 30.0 * (1 + k)}} for k in range(3)}
+    assert training_outcomes.table_of_seconds(found).splitlines()[2:] == [
+        "| of all threads together | 21 | 20 | 22 |",
+        "| on the wall, the machine busy or not | 60 | 30 | 90 |",
+    ]
+
+
 def test_the_limits_are_those_of_their_page():
     page = (training_outcomes.PAGE.parent / "trade_limits.md").read_text(encoding="utf-8")
     assert all(f"| {dither:g} | {limit:.4f} [" in page for dither, limit in training_outcomes.limits().items())
