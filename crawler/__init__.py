@@ -7,6 +7,7 @@ from .model.state import ChainState, REST, State
 from .motion.balance import EnergyWarning
 from .refusals import SlipWarning, SolverError
 from .simulation import simulate
+from .spectrum import lyapunov_spectrum, LyapunovSpectrum
 from .trajectory import EVENT, Trajectory
 
 __all__ = [
@@ -18,11 +19,13 @@ __all__ = [
     "EnergyWarning",
     "Groups",
     "GroupsLike",
+    "LyapunovSpectrum",
     "Scales",
     "Scene",
     "SlipWarning",
     "SolverError",
     "State",
     "Trajectory",
+    "lyapunov_spectrum",
     "simulate",
 ]

@@ -63,7 +63,7 @@ def _part(name: str) -> Callable[..., Any]:
     return part
 
 
-_step, _event, _sample, _arrive, _account, _carry, _saltate = map(_part, Parts._fields)
+_step, _event, _sample, _arrive, _account, _carry, _saltate, _note = map(_part, Parts._fields)
 
 
 @compiled
@@ -156,6 +156,8 @@ def advance(
                 logged += 1
         body = following
         if last:
+            if options.tangents:
+                _note(now, samples)
             return Outcome(FINISHED, hold.end, spent, logged, body, ledger, pace)
     status = PAUSED if allowed < options.max_steps else OUT_OF_STEPS
     return Outcome(status, elapsed, spent, logged, body, ledger, pace)

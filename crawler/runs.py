@@ -1,4 +1,4 @@
-"""A run for `simulate`: a body through its schedule with room for all its events, and the energy it stores."""
+"""Whole runs: a body through its schedule with room for its events, and the energy it stores; or how changes grow."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ from numpy.typing import NDArray
 from .drive import drive
 from .model.groups import Groups
 from .model.scene import Scene
-from .model.state import Body, Coefficients
+from .model.state import Body, Coefficients, NOTHING_YET
 from .motion.balance import Store, store_between, stored_by_chain, stored_by_crawler
 from .motion.sampling import BODY_ROWS
-from .motion.tangent import condition_of, start_changes
 from .solvers import Solver
+from .stability.lyapunov import GROWTH_ROWS, start_growth
+from .stability.tangent import condition_of, start_changes
 from .steps.chain_series import chain_coefficients, chain_order, chain_workspace, ChainWorkspace
-from .steps.options import LOG_FULL, Options, Outcome, TaylorChain
+from .steps.options import AFRESH, FINISHED, LOG_FULL, Options, Outcome, TaylorChain
+from .steps.workspace import CHANGES
 
-__all__ = ["run_chain", "run_crawler"]
+__all__ = ["run_chain", "run_crawler", "run_growth"]
 
 
 def run_crawler(
@@ -76,6 +78,60 @@ def run_crawler(
         outcome = outcome._replace(elapsed=outcome.elapsed * unit)
     condition = condition_of(workspace, unit) if options.tangents else math.nan
     return outcome, finished, events, stored, condition
+
+
+def run_growth(
+    body: Body,
+    coefficients: Coefficients,
+    unit: float,
+    schedule: NDArray[np.float64],
+    washout: int,
+    hold: float,
+    options: Options,
+    solver: Solver,
+) -> tuple[Outcome, int, NDArray[np.float64]]:
+    """Advance any tube that is one body through its schedule, and small changes of it along.
+
+    Parameters
+    ----------
+    body, coefficients, unit, schedule, hold, options, solver
+        As for `run_crawler`; the options have the tangents carried, and no events logged.
+    washout : int
+        Holds after which the changes begin, in the direction that they have turned to.
+
+    Returns
+    -------
+    outcome : Outcome
+    finished : int
+        Holds completed.
+    samples : (5 + GROWTH_ROWS, holds) array
+        At the end of each hold z, v, p, x, w and the rows of `note_growth`; those of the washout are counted apart.
+    """
+    start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
+    workspace = solver.workspace(coefficients, hold / unit, 1)
+    workspace[-CHANGES:] = 0.0
+    samples = np.zeros((BODY_ROWS + GROWTH_ROWS, len(schedule)))
+    unlogged = np.empty((0, 2))
+    outcome, done = Outcome(FINISHED, 0.0, 0, 0, start, NOTHING_YET, AFRESH), 0
+    for part in (slice(0, washout), slice(washout, None)):
+        if outcome.status != FINISHED or not len(schedule[part]):
+            continue
+        start_growth(coefficients, workspace)
+        rows, left = np.empty((len(samples), len(schedule[part]))), options.max_steps - outcome.steps
+        following, finished = drive(
+            outcome.body,
+            coefficients,
+            schedule[part],
+            hold / unit,
+            options._replace(max_steps=left),
+            rows,
+            unlogged,
+            workspace,
+        )
+        samples[:, part] = rows
+        outcome, done = following._replace(steps=following.steps + outcome.steps), done + finished
+    samples[[1, 4]] /= unit
+    return outcome._replace(elapsed=outcome.elapsed * unit), done, samples
 
 
 def run_chain(

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ..common.validation import known_names, number_within, whole_number
 from ..crawler import Groups, GroupsLike, Scene
+from ..crawler.arguments import TOLERANCES
 from ..crawler.model.columns import columns_of
 from ..crawler.model.groups import RANGES
 from ..crawler.model.variations import Range, variations, varied
-from ..crawler.simulation import TOLERANCES
 from ..reservoir.targets import itself, ORDERS, Target, target_of, TARGETS
 
 __all__ = [

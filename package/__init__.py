@@ -10,7 +10,17 @@ from typing import Any, TYPE_CHECKING
 from gymnasium.envs.registration import register
 
 if TYPE_CHECKING:
-    from .crawler import Actuator, EnergyWarning, Groups, Scene, simulate, SlipWarning, Trajectory
+    from .crawler import (
+        Actuator,
+        EnergyWarning,
+        Groups,
+        lyapunov_spectrum,
+        LyapunovSpectrum,
+        Scene,
+        simulate,
+        SlipWarning,
+        Trajectory,
+    )
     from .reservoir import memory_capacity
     from .studies.maps import parameter_map
     from .tasks.transformer import CrawlerReservoir
@@ -23,9 +33,11 @@ _HOME = {
     "CrawlerReservoir": "stickslip.tasks.transformer",
     "EnergyWarning": "stickslip.crawler",
     "Groups": "stickslip.crawler",
+    "LyapunovSpectrum": "stickslip.crawler",
     "Scene": "stickslip.crawler",
     "SlipWarning": "stickslip.crawler",
     "Trajectory": "stickslip.crawler",
+    "lyapunov_spectrum": "stickslip.crawler",
     "simulate": "stickslip.crawler",
     "memory_capacity": "stickslip.reservoir",
     "parameter_map": "stickslip.studies.maps",
@@ -37,10 +49,12 @@ __all__ = [
     "CrawlerReservoir",
     "EnergyWarning",
     "Groups",
+    "LyapunovSpectrum",
     "Scene",
     "SlipWarning",
     "Trajectory",
     "__version__",
+    "lyapunov_spectrum",
     "memory_capacity",
     "parameter_map",
     "pretrained",

@@ -18,9 +18,9 @@ from ..model.equations import acceleration_at_no_force, force, moved, retardatio
 from ..model.groups import Groups, NONLINEAR
 from ..model.state import BACKWARD, Body, Coefficients, FORWARD, Ledger, STUCK
 from ..motion.events import breaks_loose, comes_to_rest, foot_speed, mode_after_rest, turning_speed
-from ..motion.parts import Parts
+from ..motion.parts import note, Parts
 from ..motion.sampling import record
-from ..motion.tangent import carry_linear, saltate
+from ..stability.tangent import carry_linear, saltate
 from ..steps.options import AFRESH, Pace, Situation, Taylor20
 from ..steps.propagator import Propagator, propagator, Rates, rates_of, tabulated
 from ..steps.taylor import expand
@@ -32,6 +32,8 @@ __all__ = ["LINEAR", "is_linear", "require_linear"]
 
 # Up to one over the fastest rate a series of this order is exact to rounding.
 _ORDER = Taylor20.order()
+# A change that shrinks so much is carried in as many parts as keep it a float.
+_E_FOLDS, _MOST_PARTS = 500.0, 1e5
 
 
 def is_linear(groups: Groups) -> bool:
@@ -126,7 +128,14 @@ def _account(now: Situation, flow: Flow, ledger: Ledger, following: Body, length
 
 @inlined
 def _carry(now: Situation, flow: Flow, _following: Body, length: float) -> None:
-    carry_linear(now.body, now.coefficients, _over(now, flow, length), length, now.workspace)
+    # What is left of a change after a long time is told by parts of it.
+    parts = math.ceil(min(_MOST_PARTS, flow.rates.slow * length / _E_FOLDS))
+    if parts <= 1:
+        carry_linear(now.body, now.coefficients, _over(now, flow, length), length, now.workspace)
+    else:
+        over = propagator(flow.rates, length / parts)
+        for _ in range(int(parts)):
+            carry_linear(now.body, now.coefficients, over, length / parts, now.workspace)
 
 
 @inlined
@@ -134,7 +143,7 @@ def _saltate(now: Situation, _flow: Flow, following: Body, mode: int, time: floa
     saltate(following, mode, now.coefficients, now.hold.valve, time, now.workspace)
 
 
-LINEAR = Parts(_step, _event, _sample, _arrive, _account, _carry, _saltate)
+LINEAR = Parts(_step, _event, _sample, _arrive, _account, _carry, _saltate, note)
 
 
 @inlined

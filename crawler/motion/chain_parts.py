@@ -77,7 +77,12 @@ def _saltate(_now: Situation, _start: Body, _following: Body, _mode: int, _time:
     pass
 
 
-CHAIN = Parts(chain_step, _event, _sample, _arrive, _account, _carry, _saltate)
+@inlined
+def _note(_now: Situation, _samples: NDArray[np.float64]) -> None:
+    pass
+
+
+CHAIN = Parts(chain_step, _event, _sample, _arrive, _account, _carry, _saltate, _note)
 
 
 @compiled

@@ -9,15 +9,17 @@ from numpy.typing import NDArray
 from ...compiling.compilation import inlined
 from ..model.equations import pressure_after
 from ..model.state import Body, Ledger
+from ..stability.lyapunov import note_growth
+from ..stability.tangent import carry, saltate
 from ..steps.options import Pace, Situation
 from ..steps.radau import radau_step
 from ..steps.taylor import state_at, taylor_step
+from ..steps.workspace import CHANGES
 from .energy import account
 from .events import next_event
-from .sampling import record
-from .tangent import carry, saltate
+from .sampling import BODY_ROWS, record
 
-__all__ = ["RADAU", "SERIES", "Parts"]
+__all__ = ["RADAU", "SERIES", "Parts", "note"]
 
 
 class Parts(NamedTuple):
@@ -43,6 +45,9 @@ class Parts(NamedTuple):
     tangents: Callable[..., Any]
     # following, mode, time -> None. Carry the tangents across the event at its end.
     tangents_across: Callable[..., Any]
+    # samples -> None. Where these have rows for it, write down how far tangents have grown by the stretch's end; alone
+    # it takes nothing that the step knows.
+    growth: Callable[..., Any]
 
 
 @inlined
@@ -93,5 +98,14 @@ def _saltate(now: Situation, _end: Body, following: Body, mode: int, time: float
     saltate(following, mode, now.coefficients, now.hold.valve, time, now.workspace)
 
 
-SERIES = Parts(taylor_step, _event, _sample, _arrive, _account, _carry, _saltate)
+@inlined
+def note(now: Situation, samples: NDArray[np.float64]) -> None:
+    """Write the growth of tangents below the last sample of a body, where there are rows for it."""
+    workspace = now.workspace
+    if samples.shape[0] > BODY_ROWS:
+        tangents = workspace[workspace.shape[0] - CHANGES :]
+        note_growth(now.coefficients, tangents, samples[BODY_ROWS:, samples.shape[1] - 1])
+
+
+SERIES = Parts(taylor_step, _event, _sample, _arrive, _account, _carry, _saltate, note)
 RADAU = SERIES._replace(step=radau_step)

@@ -134,7 +134,9 @@ class Hold(NamedTuple):
 class Recording(NamedTuple):
     """What is written down of a hold; views of arrays."""
 
-    samples: NDArray[np.float64]  # (5, S): z, v, p, x, w at the times length (j + 1) / S; of a chain see `chain_parts`
+    # (5, S): z, v, p, x, w at the times length (j + 1) / S; of a chain see `chain_parts`; with tangents, if there are
+    # rows for it, their growth too, at the stretch's end: see `note_growth`
+    samples: NDArray[np.float64]
     events: NDArray[np.float64]  # (capacity, 2): time and new mode of each event, if `Options.log`
 
 

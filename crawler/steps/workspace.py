@@ -33,7 +33,7 @@ __all__ = [
 
 # Polynomials of z, v, p and F in the time since the step's start, what else a step needs, and one row for events.
 # Then, for a collocation, values of z, v, p, v' and F at the start and the nodes, and one row for its iteration. Last
-# come the tangents: see `tangent`.
+# come the tangents: see `tangent` and `lyapunov`.
 ROWS = 16
 WIDTH = LARGEST_DEGREE + 2
 CHANGES = 4

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...common.validation import known_names, number_within, whole_number
 from ...crawler import ChainState, Groups, GroupsLike, Scene, simulate, State, Trajectory
+from ...crawler.arguments import TOLERANCES
 from ...crawler.model.tube import is_chain
 from ...crawler.model.variations import HOLDS, varied
-from ...crawler.simulation import TOLERANCES
 from ..encodings import encode, known_encoding, unit_series
 from .reservoir import Step
 

@@ -1,0 +1,286 @@
+"""Lyapunov exponents of a driven crawler: how fast two motions under one input part, or forget how they began."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from threading import Event
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common.sharing import processors, share
+from ..common.validation import number_within, whole_number
+from .arguments import batch_of, schedule_of, start_of, TOLERANCES
+from .batch_simulation import Batch
+from .model.columns import coefficients_of_each, coefficients_of_one, different, units_of
+from .model.groups import Groups, GroupsLike
+from .model.scene import Scene
+from .model.state import Body, REST, State, STUCK
+from .motion.sampling import BODY_ROWS
+from .refusals import solver_error, SolverError
+from .runs import run_growth
+from .solvers import AUTO, choose_for_each, NAMES, SOLVERS
+from .steps.options import FINISHED, MAX_STEPS, STEPS_A_HOLD
+
+__all__ = ["LyapunovSpectrum", "lyapunov_spectrum"]
+
+# Batch means: fewer tell too little of their own spread, more are too short to be independent (B. Schmeiser,
+# Operations Research 30 (1982) 556).
+_BLOCKS = 20
+_ERRORS = 3.0
+# In e-folds over a whole run: less is no growth at all, and more is not none.
+_LEAST, _MOST = 0.1, 3.0
+_SHAPES = ("(holds,)", "(inputs, holds) or (rows, holds)", "(rows, inputs, holds)")
+
+
+@dataclass(frozen=True, eq=False)
+class LyapunovSpectrum:
+    """Exponents of one crawler, or of each of several.
+
+    Attributes
+    ----------
+    exponents : (2,) or (rows, 2) array
+        Mean rates, per natural time and in falling order, at which the logarithms of small changes of deformation and
+        velocity grow while the input stays the same. The second is the growth of areas less the first.
+    standard_error : (2,) or (rows, 2) array
+        Of the exponents, by batch means: from the spread of `blocks`.
+    lag_exponent : float or (rows,) array
+        -1 / Pi4, that of the pressure, on which the others do not act.
+    foot_exponent : float or (rows,) array
+        That of the foot's velocity, which is a state of its own while the foot slides: -inf where the foot stopped,
+        since a stop leaves nothing of a change of it; 0 where the foot slid all the time, since the momentum then keeps
+        every change; nan where it never moved, or is anchored, and there is no such state.
+    stops : int or (rows,) array of int
+        How often the foot stopped after the washout, in all inputs: so often a change of its velocity was projected
+        out.
+    divergence : float or (rows,) array
+        Mean divergence of the smooth motion, -2 Pi2 / (1 - r) while the foot sticks and -2 Pi2 / (r (1 - r)) while it
+        slides. What the sum of the exponents is beyond, is of the events; anchored the two are equal.
+    blocks : (blocks, 2) or (rows, blocks, 2) array
+        The exponents of each block, in no order: at least 20, equally long parts of the inputs.
+    time : float or (rows,) array
+        Natural time, of all inputs together, that was measured.
+    groups : Groups or tuple of Groups
+    """
+
+    exponents: NDArray[np.float64]
+    standard_error: NDArray[np.float64]
+    lag_exponent: Any
+    foot_exponent: Any
+    stops: Any
+    divergence: Any
+    blocks: NDArray[np.float64]
+    time: Any
+    groups: Groups | tuple[Groups, ...]
+
+    @property
+    def verdict(self) -> Any:
+        """What the exponents say, str or (rows,) array of str.
+
+        "chaotic" if the first exponent is above 0 by more than 3 standard errors; "contracting" if it is below 0 by as
+        much, and the foot's velocity is forgotten too; "neutral" if it is below 0 but the momentum keeps its changes,
+        or if it is 0 within so little that changes cannot have grown or shrunk by more than 3 e-folds in all of `time`;
+        and "undecided" otherwise: a longer run tells.
+        """
+        first, time = self.exponents[..., 0], np.asarray(self.time)
+        margin = np.maximum(_ERRORS * self.standard_error[..., 0], _LEAST / time)
+        kept = np.asarray(self.foot_exponent) == 0.0
+        words = np.select(
+            [first > margin, (first < -margin) & ~kept, (first < -margin) | (np.abs(first) + margin <= _MOST / time)],
+            ["chaotic", "contracting", "neutral"],
+            "undecided",
+        )
+        return str(words) if words.ndim == 0 else words
+
+
+def lyapunov_spectrum(
+    groups: GroupsLike | Sequence[GroupsLike],
+    valve: ArrayLike,
+    hold: float | Sequence[float] | NDArray[np.float64],
+    *,
+    scene: Scene | Mapping[str, Any] | Sequence[Scene | Mapping[str, Any] | None] | None = None,
+    tolerance: float = 1e-9,
+    solver: str = "auto",
+    initial: State | None = None,
+    washout: int = 200,
+    max_steps: int | None = None,
+    threads: int | None = None,
+) -> LyapunovSpectrum:
+    """Conditional Lyapunov exponents of crawlers under given inputs: the rates at which small changes grow or fade.
+
+    Changes are carried along the motion that `simulate` would find, through slips, stops and reversals (G. Benettin et
+    al., Meccanica 15 (1980) 9). Position is left out: it acts on nothing.
+
+    Parameters
+    ----------
+    groups : Groups, str, mapping or Actuator, or sequence of them
+        Each as in `Groups.of`: one crawler, or one a row.
+    valve : (holds,), (inputs, holds), (rows, holds) or (rows, inputs, holds) array, in [0, 1]
+        Duty cycles as for `simulate`. Where no other argument has rows, two dimensions are an ensemble of inputs to one
+        crawler; where one has, they are a schedule for each row. Of three dimensions the first may be 1: the same
+        ensemble for all rows.
+    hold : float, or (rows,) array, in (0, inf)
+    scene : Scene or mapping, or sequence of them, optional
+        As for `simulate`.
+    tolerance : float, in [1e-15, 1e-2]
+    solver : {"auto", "closed_form", "taylor", "radau"}
+    initial : State, optional
+        At rest by default; the same for all.
+    washout : int, >= 0
+        Holds of each input, at its start, that are not measured; 2 at least must be left. In them the body comes to its
+        attractor, and changes turn to the direction in which they grow most: some multiples of 1 / |exponent|.
+    max_steps : int, optional
+        As for `simulate`, for each input.
+    threads : int, optional
+        Most that share the work; as many as there are processors to run on by default.
+
+    Returns
+    -------
+    LyapunovSpectrum
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of its range or of the wrong type, or the body is a chain of heavy segments; the message
+        names it.
+    SolverError
+        As `simulate`; the message names the row, and the input where there are several.
+    """
+    batch, single, inputs = _rows(groups, valve, hold, scene)
+    tolerance = number_within("tolerance", tolerance, TOLERANCES)
+    if not isinstance(solver, str) or (solver != AUTO and solver not in SOLVERS):
+        raise ValueError(f"solver must be one of {[AUTO, *SOLVERS]}, got {solver!r}")
+    holds = inputs.shape[2]
+    if holds < 2:
+        raise ValueError(f"valve must have at least 2 holds, got {holds}")
+    washout = whole_number("washout", washout, 0, holds - 2)
+    if batch.chains.any():
+        raise ValueError("scene must be no chain of heavy segments: take segments=1 or tube_mass=0")
+    for each in different(batch.scenes):
+        body, _ = start_of(REST if initial is None else initial, each)
+    budget = MAX_STEPS + STEPS_A_HOLD * holds if max_steps is None else whole_number("max_steps", max_steps, 1)
+    runs = _Runs(batch, inputs, body, washout, tolerance, solver, budget)
+    count = inputs.shape[1]
+    each_way = share(
+        runs.blocks_of,
+        [(i, j) for i in range(len(batch.crawlers)) for j in range(count)],
+        processors() if threads is None else whole_number("threads", threads, 1),
+    )
+    found = [_spectrum(each_way[i * count : (i + 1) * count], batch.crawlers[i]) for i in range(len(batch.crawlers))]
+    if single:
+        return found[0]
+    names = [field.name for field in fields(LyapunovSpectrum) if field.name != "groups"]
+    together: dict[str, Any] = {name: np.array([getattr(one, name) for one in found]) for name in names}
+    return LyapunovSpectrum(**together, groups=tuple(batch.crawlers))
+
+
+def _rows(groups: Any, valve: ArrayLike, hold: Any, scene: Any) -> tuple[Batch, bool, NDArray[Any]]:
+    """Who is driven, whether there is one crawler only, and the inputs of each, (rows, inputs, holds)."""
+    given = schedule_of(valve, _SHAPES)
+    first = given[(0,) * (given.ndim - 1)]
+    batch, single, _ = batch_of(groups, first, hold, scene)
+    if given.ndim == 2 and single:
+        return batch, True, given[np.newaxis]
+    if given.ndim == 2 or (given.ndim == 3 and len(given) > 1):
+        each = given if given.ndim == 3 else given[:, np.newaxis]
+        return batch_of(groups, each[:, 0], hold, scene)[0], False, each
+    inputs = given.reshape(1, -1, given.shape[-1])
+    return batch, single and given.ndim < 3, inputs.repeat(len(batch.crawlers), axis=0)
+
+
+@dataclass(frozen=True)
+class _Growth:
+    """What was measured of one run."""
+
+    lengths: NDArray[np.float64]  # (blocks,): natural time
+    logarithms: NDArray[np.float64]  # (blocks, 2): growth of a vector and of an area
+    divergence: float  # integral
+    stops: int
+    slid: bool  # whether the foot slides at the end
+
+
+class _Runs:
+    """All runs, each of a row and an input."""
+
+    def __init__(
+        self, batch: Batch, inputs: NDArray[Any], body: Body, washout: int, tolerance: float, solver: str, budget: int
+    ) -> None:
+        self._batch, self._inputs, self._body, self._washout = batch, inputs, body, washout
+        bodies, grounds, self._units = units_of(batch.crawlers, batch.scenes)
+        self._columns = coefficients_of_each(bodies, grounds)
+        self._solvers = choose_for_each(
+            solver, batch.crawlers, batch.scenes, self._columns, batch.holds, self._units, tolerance
+        )
+        self._tolerance, self._budget = tolerance, budget
+        measured = inputs.shape[2] - washout
+        blocks = min(measured, -(-_BLOCKS // inputs.shape[1]))
+        self._ends = np.linspace(0, measured, blocks + 1).round().astype(np.int64)
+
+    def blocks_of(self, run: tuple[int, int], _over: Event) -> _Growth:
+        """Do a run; return what changes of it did in each block."""
+        i, j = run
+        batch, hold = self._batch, float(self._batch.holds[i])
+        by = SOLVERS[NAMES[self._solvers[i]]]
+        outcome, finished, samples = run_growth(
+            self._body,
+            coefficients_of_one(self._columns, i),
+            float(self._units[i]),
+            self._inputs[i, j].astype(np.float64),
+            self._washout,
+            hold,
+            by.options(self._tolerance, tangents=True, max_steps=self._budget),
+            by,
+        )
+        if outcome.status != FINISHED:
+            time, slips = finished * hold + outcome.elapsed, outcome.body.slips
+            error = solver_error(
+                outcome.status,
+                time,
+                outcome.body.deformation,
+                outcome.steps,
+                batch.crawlers[i],
+                batch.scenes[i],
+                self._tolerance,
+                by.name,
+                slips,
+            )
+            names = [f"crawler {i}"] * (len(batch.crawlers) > 1) + [f"input {j}"] * (self._inputs.shape[1] > 1)
+            raise SolverError(": ".join([", ".join(names), str(error)] if names else [str(error)]))
+        growth = np.hstack([np.zeros((len(samples) - BODY_ROWS, 1)), samples[BODY_ROWS:, self._washout :]])
+        return _Growth(
+            np.diff(self._ends) * hold,
+            np.diff(growth[:2, self._ends]).T,
+            float(growth[2, -1]),
+            int(growth[3, -1]),
+            outcome.body.mode != STUCK,
+        )
+
+
+def _spectrum(runs: Sequence[_Growth], groups: Groups) -> LyapunovSpectrum:
+    """Exponents of one crawler from its runs."""
+    lengths, logarithms = (np.concatenate([getattr(run, name) for run in runs]) for name in ("lengths", "logarithms"))
+    time = float(lengths.sum())
+    vector, area = logarithms.sum(axis=0) / time
+    exponents = np.array([vector, area - vector])
+    with np.errstate(invalid="ignore"):
+        rates = logarithms / lengths[:, np.newaxis]
+        blocks = np.stack([rates[:, 0], rates[:, 1] - rates[:, 0]], axis=1)
+        error = np.std(blocks, axis=0, ddof=1) / math.sqrt(len(blocks))
+    # Two that are equal may come in either order.
+    order = np.argsort(-exponents, kind="stable")
+    stops = sum(run.stops for run in runs)
+    foot = -math.inf if stops else 0.0 if any(run.slid for run in runs) else math.nan
+    return LyapunovSpectrum(
+        exponents[order],
+        error[order],
+        -1.0 / groups.deborah,
+        foot,
+        stops,
+        sum(run.divergence for run in runs) / time,
+        blocks[:, order],
+        time,
+        groups,
+    )
