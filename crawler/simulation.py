@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import Any
@@ -25,16 +26,10 @@ from .solvers import AUTO, NAMES, SOLVERS
 from .steps.options import FINISHED
 from .trajectory import EVENT, Trajectory
 
-<<<<<<< HEAD
-__all__ = ["TOLERANCES", "simulate"]
+__all__ = ["simulate"]
 
-TOLERANCES = "[1e-15, 1e-2]"
 # Fewer short slips than these are those of a body that hardly moves.
 _MANY_SLIPS = 100
-_RANGES = dict.fromkeys((f"initial {name}" for name in State._fields), "(-inf, inf)") | {"initial pressure": "[0, 1]"}
-=======
-__all__ = ["simulate"]
->>>>>>> ccfc1ef (Lyapunov exponents through slips, stops and reversals: lyapunov_spectrum carries a vector and an area along the run of simulate, for one crawler, an ensemble of inputs or rows; tangents take pieces of a tenth of a radian where the stiffness varies)
 
 
 def simulate(
