@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         Trajectory,
     )
     from .reservoir import memory_capacity
+    from .studies.identification import identify
     from .studies.maps import parameter_map
     from .tasks.transformer import CrawlerReservoir
     from .train.policies.pretrained import pretrained
@@ -37,8 +38,9 @@ _HOME = {
     "Scene": "stickslip.crawler",
     "SlipWarning": "stickslip.crawler",
     "Trajectory": "stickslip.crawler",
-    "lyapunov_spectrum": "stickslip.crawler",
     "simulate": "stickslip.crawler",
+    "identify": "stickslip.studies.identification",
+    "lyapunov_spectrum": "stickslip.crawler",
     "memory_capacity": "stickslip.reservoir",
     "parameter_map": "stickslip.studies.maps",
     "pretrained": "stickslip.train.policies.pretrained",
@@ -54,6 +56,7 @@ __all__ = [
     "SlipWarning",
     "Trajectory",
     "__version__",
+    "identify",
     "lyapunov_spectrum",
     "memory_capacity",
     "parameter_map",

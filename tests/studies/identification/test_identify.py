@@ -1,0 +1,156 @@
+"""Groups from measurements: what made them is found again, and what they cannot tell is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip import Actuator, Groups, simulate
+from stickslip.studies.identification import identify, Measurements
+from stickslip.tasks import random_bits
+
+TRUTH = Groups(
+    duffing=1.1,
+    damping_ratio=0.08,
+    deborah=0.7,
+    radial_coupling=0.3,
+    foot_mass_fraction=0.25,
+    static_friction=0.35,
+    kinetic_friction=0.22,
+)
+
+
+def measured(*channels, holds=200, seed=0, noise=0.01, samples=8):
+    motion = simulate(TRUTH, random_bits(holds, seed), 1.0, samples_per_hold=samples)
+    return Measurements.of(motion, *channels, noise=noise, seed=seed)
+
+
+def wrong(seed):
+    """The truth, each group off by a factor of three either way."""
+    signs = np.random.default_rng(seed).choice([-1.0, 1.0], 7)
+    values = {name: value * 3.0**sign for (name, value), sign in zip(TRUTH.to_dict().items(), signs, strict=True)}
+    values["kinetic_friction"] = min(values["kinetic_friction"], values["static_friction"])
+    return values
+
+
+@pytest.mark.parametrize("channels", [("foot",), ("payload",), ("deformation",), ("deformation", "pressure", "foot")])
+def test_each_group_is_found_within_two_percent_from_a_guess_off_by_three(channels):
+    found = identify(measured(*channels), guess=wrong(len(channels)))
+    for name in found.names:
+        assert getattr(found.groups, name) == pytest.approx(getattr(TRUTH, name), rel=0.02), name
+    assert found.warnings == ()
+    expected = 0.01 * simulate(TRUTH, random_bits(200, 0), 1.0, samples_per_hold=8).deformation.std()
+    assert found.noise[channels[0]] == pytest.approx(expected, rel=0.1)
+
+
+def test_without_noise_the_groups_are_found_to_the_tolerance():
+    found = identify(measured("deformation", "foot", holds=40, noise=0.0))
+    for name in found.names:
+        assert getattr(found.groups, name) == pytest.approx(getattr(TRUTH, name), rel=1e-5), name
+
+
+def test_an_interval_is_as_wide_as_the_estimates_scatter():
+    runs = [identify(measured("foot", holds=30, seed=seed), guess=TRUTH, starts=1) for seed in range(12)]
+    at = [list(run.names).index("kinetic_friction") for run in runs]
+    claimed = np.median([np.sqrt(run.covariance[i, i]) for run, i in zip(runs, at, strict=True)])
+    scatter = np.std([run.groups.kinetic_friction for run in runs], ddof=1)
+    assert 0.5 < scatter / claimed < 2.0
+    low, high = runs[0].interval(0.95)["kinetic_friction"]
+    assert (high - low) / 2.0 == pytest.approx(1.97 * np.sqrt(runs[0].covariance[at[0], at[0]]), rel=0.01)
+    narrow = runs[0].interval(0.5)["kinetic_friction"]
+    assert low < narrow[0] < narrow[1] < high
+
+
+def test_gaps_and_times_of_their_own_make_no_difference_but_to_the_error():
+    whole = measured("deformation", "foot", holds=60, samples=48)
+    generator = np.random.default_rng(1)
+    kept = np.sort(generator.choice(whole.times.size, 400, replace=False))
+    deformation = whole.deformation[kept].copy()
+    deformation[50:150] = np.nan
+    run = Measurements(
+        whole.valve, 1.0, times=whole.times[kept] - 0.003, deformation=deformation, foot=whole.foot[kept]
+    )
+    exact = simulate(TRUTH, whole.valve, 1.0, samples_per_hold=1000)
+    foot = np.interp(run.times, exact.time, exact.foot)
+    found = identify(replace_channel(run, foot=foot), guess=TRUTH, starts=1)
+    for name in found.names:
+        assert getattr(found.groups, name) == pytest.approx(getattr(TRUTH, name), rel=0.05), name
+    assert found.samples == 400 + 300
+
+
+def replace_channel(run, **channels):
+    told = {name: getattr(run, name) for name in run.measured} | channels
+    return Measurements(run.valve, run.hold, times=run.times, **told)
+
+
+def test_several_runs_are_fitted_together():
+    runs = [measured("foot", holds=25, seed=seed) for seed in range(3)]
+    together, alone = (identify(each, guess=TRUTH, starts=1) for each in (runs, runs[0]))
+    assert together.samples == 3 * alone.samples
+    assert np.diag(together.covariance)[2] < np.diag(alone.covariance)[2]
+    assert together.groups.deborah == pytest.approx(TRUTH.deborah, rel=0.02)
+
+
+def test_an_actuator_is_found_in_si():
+    true = Actuator.ecoflex()
+    hold = 0.06
+    motion = simulate(true, random_bits(60, 0), hold / true.scales.time, samples_per_hold=8).in_si(true)
+    run = Measurements.of(motion, "deformation", "foot", noise=0.01)
+    assert run.hold == pytest.approx(hold)
+    free = ("stiffness", "lag", "damping", "static_friction", "kinetic_friction")
+    guess = replace(true, stiffness=120.0, lag=0.012, damping=1.1, static_friction=1.5, kinetic_friction=0.4)
+    found = identify(run, free=free, guess=guess)
+    for name in free:
+        assert getattr(found.body, name) == pytest.approx(getattr(true, name), rel=0.02), name
+    assert found.body.payload_mass == true.payload_mass
+    assert found.groups == found.body.groups
+
+
+def test_what_the_data_cannot_tell_is_said():
+    # The valve is never opened: nothing moves, and nothing is told.
+    still = Measurements(np.zeros(20), 1.0, 4, pressure=1e-3 * np.random.default_rng(0).standard_normal(80))
+    found = identify(still, free=("deborah", "duffing"), starts=4)
+    assert len(found.warnings) == 2
+    assert all("the data hardly tell a body from one" in told for told in found.warnings)
+    # Masses, stiffnesses and pressures that grow together move alike.
+    true = Actuator.ecoflex()
+    motion = simulate(true, random_bits(30, 0), 1.0, samples_per_hold=4).in_si(true)
+    free = ("payload_mass", "foot_mass", "stiffness", "cubic_stiffness", "damping", "bore_area")
+    told = identify(Measurements.of(motion, "deformation", "foot", noise=0.01), free=free, guess=true, starts=1)
+    assert len(told.warnings) == 1
+    assert all(name in told.warnings[0] for name in free)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"valve": [0.0, 2.0]}, r"valve must be in \[0, 1\], got 0.0 to 2.0"),
+        ({"samples_per_hold": None}, "samples_per_hold or times must be given, and not both"),
+        ({"times": [0.5]}, "samples_per_hold or times must be given, and not both"),
+        (
+            {"foot": None},
+            "one of deformation, velocity, pressure, foot, foot_velocity, payload must have been measured",
+        ),
+        ({"foot": [1.0]}, r"foot must have 2 samples, one a time, got shape \(1,\)"),
+        ({"foot": [np.nan, np.nan]}, "foot must be finite but for gaps"),
+        ({"foot": [np.inf, 0.0]}, "foot must be finite but for gaps"),
+        ({"samples_per_hold": None, "times": [0.5, 0.5]}, "times must ascend from 0 or later to 2.0"),
+        ({"samples_per_hold": None, "times": [0.5, 2.5]}, "times must ascend from 0 or later to 2.0"),
+    ],
+)
+def test_refuses_what_is_no_measurement(change, message):
+    whole = {"valve": [0.0, 1.0], "hold": 1.0, "samples_per_hold": 1, "foot": [0.0, 1.0]}
+    with pytest.raises(ValueError, match=message):
+        Measurements(**whole | change)
+
+
+def test_refuses_what_cannot_be_identified():
+    run = Measurements([0.0, 1.0], 1.0, 1, foot=[0.0, 1.0])
+    with pytest.raises(ValueError, match="measurements must have more samples than the 7 free, got 2"):
+        identify(run)
+    with pytest.raises(ValueError, match="free must name what to find of an Actuator"):
+        identify(run, guess=Actuator.ecoflex())
+    with pytest.raises(ValueError, match="free"):
+        identify(run, free=("colour",))
+    with pytest.raises(TypeError, match="measurements must be Measurements or a sequence"):
+        identify([])
