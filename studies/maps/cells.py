@@ -106,26 +106,22 @@ def _measure(
 def _drive(plan: Plan, runs: Sequence[_Run], threads: int | None) -> Driven:
     bodies = [run.body for run in runs]
     valve = np.array([run.driving.valve for run in runs])
-    holds = np.array([body.hold for body in bodies])
     motion = simulate(
         [body.groups for body in bodies],
         valve,
-        holds,
+        [body.hold for body in bodies],
         scene=[body.scene for body in bodies],
         tolerance=plan.body.tolerance,
         samples_per_hold=plan.body.samples_per_hold,
         threads=threads,
     )
     return Driven(
-        groups=[body.groups for body in bodies],
-        scenes=[body.scene for body in bodies],
-        holds=holds,
+        bodies=bodies,
         dithers=np.array([run.dither for run in runs]),
         valve=valve,
         messages=np.array([run.driving.message for run in runs]),
         motion=motion,
-        states=plan.body.read(motion),
         delays=plan.delays,
         washout=plan.washout,
-        tolerance=plan.body.tolerance,
+        threads=threads,
     )

@@ -2,13 +2,16 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...crawler import Groups, Scene, Trajectory
+from ...crawler import lyapunov_spectrum, LyapunovSpectrum, simulate, State, Trajectory
 from ...reservoir import information_processing_capacity, memory_capacity, target_series
+from ...tasks import BodyReservoir
 
 __all__ = ["DEGREES", "MEASURES", "Driven", "Measure", "Variable"]
 
@@ -17,6 +20,8 @@ Array = NDArray[np.float64]
 DEGREES = (1, 2, 3)
 """Degrees of which "capacity" tells the capacities."""
 
+# Far from rest, and within what every scene allows.
+_OTHER_START = State(deformation=0.4, velocity=-0.3, pressure=0.5)
 # Delays of products of one, two and three inputs, which are tried all: a thousand of the third degree.
 _REACH = (40, 30, 20)
 
@@ -27,37 +32,52 @@ class Driven:
 
     Attributes
     ----------
-    groups : sequence of n Groups
-    scenes : sequence of n Scene
-    holds : (n,) array
-        Length of a hold of each.
+    bodies : sequence of n BodyReservoir
+        Who differ in groups, scene and hold alone.
     dithers : (n,) array
     valve : (n, holds) array of 0 and 1
     messages : (n, holds) array
         What of the valve was news; all zeros without dither.
     motion : Trajectory
         Of the batch.
-    states : (n, holds, features) array
-        What is read of the bodies, a row a hold.
     delays : int
         Of memory.
     washout : int
         Holds at the start that a measure leaves out that is not of the whole run.
-    tolerance : float
+    threads : int or None
         As in `simulate`.
     """
 
-    groups: Sequence[Groups]
-    scenes: Sequence[Scene]
-    holds: Array
+    bodies: Sequence[BodyReservoir]
     dithers: Array
     valve: NDArray[np.int64]
     messages: Array
     motion: Trajectory
-    states: Array
     delays: int
     washout: int
-    tolerance: float
+    threads: int | None
+
+    @property
+    def holds(self) -> Array:
+        """Length of a hold of each, (n,)."""
+        return np.array([body.hold for body in self.bodies])
+
+    @cached_property
+    def states(self) -> Array:
+        """What is read of the bodies, a row a hold: (n, holds, features)."""
+        return self.bodies[0].read(self.motion)
+
+    def driven(self, by: Callable[..., Any], **asked: Any) -> Any:
+        """What a function of the arguments of `simulate` says of the same crawlers and valves."""
+        return by(
+            [body.groups for body in self.bodies],
+            self.valve,
+            self.holds,
+            scene=[body.scene for body in self.bodies],
+            tolerance=self.bodies[0].tolerance,
+            threads=self.threads,
+            **asked,
+        )
 
 
 @dataclass(frozen=True)
@@ -92,11 +112,14 @@ class Measure:
     variables : mapping of str to Variable
     of_message : bool
         Whether it needs flips to be told of.
+    of_chains : bool
+        Whether a chain of heavy segments has it.
     """
 
     compute: Callable[[Driven], Mapping[str, Array]]
     variables: Mapping[str, Variable] = field(hash=False)
     of_message: bool = False
+    of_chains: bool = True
 
 
 def _memory(driven: Driven) -> dict[str, Array]:
@@ -136,6 +159,25 @@ def _capacity(driven: Driven) -> dict[str, Array]:
     return {"capacity": table[:, :-1], "rank": table[:, -1]}
 
 
+def _start(driven: Driven) -> dict[str, Array]:
+    again = driven.driven(simulate, initial=_OTHER_START)
+    nodes = driven.motion.deformation.shape[-1] // driven.valve.shape[1]
+    last = slice(-max(1, driven.valve.shape[1] // 10), None)
+    difference, spread = [], []
+    for name in ("deformation", "velocity"):
+        first, second = getattr(driven.motion, name)[:, nodes - 1 :: nodes][:, last], getattr(again, name)[:, last]
+        difference.append(np.mean((first - second) ** 2, axis=1))
+        spread.append(np.var(first, axis=1))
+    ratios = np.divide(difference, spread, out=np.zeros_like(spread), where=np.array(spread) > 0.0)
+    return {"start_difference": np.sqrt(ratios.mean(axis=0))}
+
+
+def _lyapunov(driven: Driven) -> dict[str, Array]:
+    found: LyapunovSpectrum = driven.driven(lyapunov_spectrum, washout=driven.washout)
+    first, second = found.exponents.T
+    return {"lyapunov": first, "lyapunov_2": second, "lyapunov_standard_error": found.standard_error[:, 0]}
+
+
 def _speed(driven: Driven) -> dict[str, Array]:
     return {"speed": driven.motion.foot[:, -1] / (driven.valve.shape[1] * driven.holds)}
 
@@ -173,6 +215,18 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
                 "rank": Variable("1", "rank of the states"),
             },
             of_message=True,
+        ),
+        "lyapunov": Measure(
+            _lyapunov,
+            {
+                "lyapunov": Variable("1 / t_c", "largest Lyapunov exponent", least=None),
+                "lyapunov_2": Variable("1 / t_c", "second Lyapunov exponent", least=None),
+                "lyapunov_standard_error": Variable("1 / t_c", "standard error of the largest exponent in a run"),
+            },
+            of_chains=False,
+        ),
+        "start": Measure(
+            _start, {"start_difference": Variable("1", "difference of two starts at the end, over the spread")}
         ),
         "speed": Measure(_speed, {"speed": Variable("z_c / t_c", "mean speed of the foot", least=None)}),
         "work": Measure(_work, {"work": Variable("P_max A_0 z_c", "work of the pressure a hold", least=None)}),

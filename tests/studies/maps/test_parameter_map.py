@@ -13,7 +13,7 @@ import scipy.stats
 import xarray as xr
 import zarr
 
-from stickslip import Actuator, Groups, memory_capacity, simulate
+from stickslip import Actuator, Groups, lyapunov_spectrum, memory_capacity, simulate
 from stickslip.reservoir import information_processing_capacity
 from stickslip.studies.maps import in_si, Inputs, mapping, over_seeds, parameter_map
 from stickslip.studies.maps.cells import FINISHED, GAVE_UP, NO_SUCH_BODY
@@ -55,6 +55,29 @@ def test_capacity_tells_degrees_and_rank():
     alone = information_processing_capacity(states, valve - 0.5, delays=(40, 30, 20))
     assert found.capacity.sel(hold=1.0, seed=2).values.tolist() == list(alone.by_degree().values())
     assert float(found["rank"].sel(hold=1.0, seed=2)) == alone.rank == 3
+
+
+def test_exponents_are_those_of_each_crawler_alone():
+    found = parameter_map(X, measures="lyapunov", seeds=[4, 5], scene={"anchored": True}, tolerance=1e-9, **SHORT)
+    valve = dithered(np.zeros(160, int), 0.5, 5)
+    alone = lyapunov_spectrum({"duffing": 2.0}, valve, 0.5, scene={"anchored": True}, washout=40)
+    cell = found.sel(duffing=2.0, seed=5)
+    assert [float(cell.lyapunov), float(cell.lyapunov_2)] == alone.exponents.tolist()
+    assert float(cell.lyapunov_standard_error) == alone.standard_error[0]
+    with pytest.raises(ValueError, match="measures must be without lyapunov for a chain of heavy segments"):
+        parameter_map(X, measures="lyapunov", scene={"segments": 2, "tube_mass": 0.3})
+
+
+def test_two_starts_come_together_as_fast_as_a_linear_body_forgets():
+    linear = {"duffing": 0.0, "radial_coupling": 0.0, "damping_ratio": 0.05, "deborah": 0.1}
+    found = parameter_map(
+        ("damping_ratio", [0.0, 0.05, 0.1]), measures="start", groups=linear, scene={"anchored": True}, **SHORT
+    )
+    kept = found.start_difference.values[:, 0]
+    assert 0.1 < kept[0] < 10.0
+    # Over the last 16 of 160 holds, changes shrink as exp(-Pi2 t / (1 - r)).
+    assert kept[1] == pytest.approx(np.exp(-0.05 * 76.0 / 0.7), rel=0.5)
+    assert kept[2] == pytest.approx(np.exp(-0.1 * 76.0 / 0.7), rel=0.7)
 
 
 def test_scene_hold_and_dither_vary_too_and_a_chain_is_read_segment_by_segment():
