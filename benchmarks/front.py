@@ -1,10 +1,11 @@
 """The front of speed against memory, in full: `stickslip trade` at four dithers, and the page that tells of it.
 
-Run ``python benchmarks/front.py``. The cells are kept in ``runs/front`` as they end, and a run that was stopped goes on
-where it stopped; ``--dask ADDRESS`` has a cluster do the work. ``--weights``, ``--dithers`` and ``--seeds`` take a part
-of it, which a later run adds to; ``--quick`` makes the front of ``stickslip trade --quick`` instead. What they came to
-is then kept in ``benchmarks/results/front.json``, the tables are written into ``docs/trade.md`` and the README between
-their marks, and the figures are drawn into ``docs/images``.
+Run ``python benchmarks/front.py``: three trainings of each kind at the dither that is shown, one at the others. The
+cells are kept in ``runs/front`` as they end, and a run that was stopped goes on where it stopped; ``--dask ADDRESS``
+has a cluster do the work. ``--weights``, ``--dithers`` and ``--seeds`` take a part of it, which a later run adds to;
+``--quick`` makes the front of ``stickslip trade --quick`` instead. What they came to is then kept in
+``benchmarks/results/front.json``, the tables are written into ``docs/trade.md`` and the README between their marks, and
+the figures are drawn into ``docs/images``.
 """
 
 import argparse
@@ -33,13 +34,19 @@ RESULTS = ROOT / "benchmarks" / "results" / "front.json"
 PAGE = ROOT / "docs" / "trade.md"
 IMAGES = ROOT / "docs" / "images"
 SHOWN = 0.1
-ASKED: dict[str, Any] = {**FULL, "dithers": (0.0, 0.05, SHOWN, 0.25), "env_kwargs": {"hold": 0.5}}
+ASKED: dict[str, Any] = {**FULL, "env_kwargs": {"hold": 0.5}}
+DITHERS = (0.0, 0.05, SHOWN, 0.25)
+SEEDS_ELSEWHERE = 1
 
 
 def made_of(results: dict[str, Any]) -> list[Front]:
     """The fronts of what is kept, one a dither."""
-    trade = Trade(**results["asked"])
-    return fronts(trade, {cell: results["cells"][cell.name] for stage in trade.cells() for cell in stage})
+    trades = [Trade(**asked) for asked in results["asked"]]
+    return [
+        front
+        for trade in trades
+        for front in fronts(trade, {cell: results["cells"][cell.name] for stage in trade.cells() for cell in stage})
+    ]
 
 
 def tables(results: dict[str, Any]) -> dict[str, str]:
@@ -47,7 +54,7 @@ def tables(results: dict[str, Any]) -> dict[str, str]:
     found = made_of(results)
     [shown] = [front for front in found if front.dither == SHOWN]
     return {
-        "asked": asked_in_words(Trade(**results["asked"])),
+        "asked": asked_in_words(next(Trade(**asked) for asked in results["asked"] if SHOWN in asked["dithers"])),
         "areas": as_markdown(areas(shown)),
         "points": as_markdown(table(shown)),
         "dithers": as_markdown(of_dithers(found)),
@@ -57,10 +64,15 @@ def tables(results: dict[str, Any]) -> dict[str, str]:
 
 def asked_in_words(trade: Trade) -> str:
     """What everything is judged on."""
-    trainings = "one training" if trade.seeds == 1 else f"{trade.seeds} trainings"
+    of_each = "a weight and above each floor" if trade.floors else "a weight"
+    trainings = (
+        f"there is one training {of_each}"
+        if trade.seeds == 1
+        else f"there are {trade.seeds} trainings {of_each}, and the one is shown that was best in its own evaluations"
+    )
     return (
         f"All are means over {trade.judges} seeds that no training, search or choice has seen, runs of {trade.holds}"
-        f" holds each, with 95% intervals. Words have up to {trade.longest} bits; there is {trainings} a weight."
+        f" holds each, with 95% intervals. Words have up to {trade.longest} bits; {trainings}."
     )
 
 
@@ -80,7 +92,7 @@ def of_dithers(found: list[Front]) -> list[list[str]]:
                 cell(estimated(fastest.speeds), 3),
                 f"{100 * fastest.mean[0] / front.speed_limit.mean:.1f}",
                 areas(front)[1][1] if noisy else "",
-                cell(_percent(gain(front.policies, front.open_loop)), 0, "+") if noisy else "",
+                cell(_percent(gain(front.chosen, front.open_loop)), 0, "+") if noisy else "",
                 "" if knee is None else f"({knee.mean[0]:.2f}, {knee.mean[1]:.2f})",
             ]
         )
@@ -126,26 +138,31 @@ def main() -> None:
     parser.add_argument("--dithers", type=float, nargs="+")
     parser.add_argument("--seeds", type=int)
     chosen = parser.parse_args()
-    said = {name: getattr(chosen, name) for name in ("weights", "dithers", "seeds")}
-    asked = {
-        **ASKED,
-        **(QUICK if chosen.quick else {}),
-        **{name: each for name, each in said.items() if each is not None},
-    }
-    trade = Trade(**asked)
-    folder = TradeFolder(chosen.folder, trade)
-    for finished in folder.run(processes=chosen.processes, dask=chosen.dask):
-        print(f"{finished.done}/{finished.of}", "" if finished.cell is None else finished.cell.name, flush=True)
-    found = folder.results()
-    write_report(folder, fronts(trade, found))
-    [shown] = [front for front in fronts(trade, found) if front.dither == SHOWN]
+    asked = {**ASKED, **(QUICK if chosen.quick else {})}
+    if chosen.weights is not None:
+        asked["weights"] = chosen.weights
+    every = []
+    cells: dict[str, Any] = {}
+    for dither in chosen.dithers or DITHERS:
+        seeds = chosen.seeds or (asked["seeds"] if dither == SHOWN else SEEDS_ELSEWHERE)
+        every.append({**asked, "dithers": (dither,), "seeds": seeds})
+        trade = Trade(**every[-1])
+        folder = TradeFolder(chosen.folder, trade)
+        for finished in folder.run(processes=chosen.processes, dask=chosen.dask):
+            print(f"{finished.done}/{finished.of}", "" if finished.cell is None else finished.cell.name, flush=True)
+        found = folder.results()
+        cells |= {cell.name: result for cell, result in found.items()}
+        if dither == SHOWN:
+            write_report(folder, fronts(trade, found))
+            [shown] = fronts(trade, found)
+            imitating = _imitating(learned(folder, shown))
     keep(
         RESULTS,
         {
             "machine": machine("torch", "stable-baselines3"),
-            "asked": asked,
-            "cells": {cell.name: result for cell, result in found.items()},
-            "registers": _imitating(learned(folder, shown)),
+            "asked": every,
+            "cells": cells,
+            "registers": imitating,
         },
     )
     refresh(PAGE, tables(json.loads(RESULTS.read_text(encoding="utf-8"))))

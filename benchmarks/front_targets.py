@@ -128,7 +128,7 @@ def points(front: Front) -> list[list[str]]:
     rows: list[tuple[str, Point]] = [(f"fastest word, {fastest.name}", fastest)]
     rows += [(f"word of most capacity, {richest.name}", richest)]
     rows += [(point.kind, point) for point in front.held]
-    rows += [("policy", point) for point in by_weight(front)]
+    rows += [("policy", point) for point in front.chosen]
     for name, point in rows:
         told.append(
             [
@@ -156,7 +156,7 @@ def doings(front: Front, kept: dict[str, Any]) -> list[list[str]]:
             "its capacity",
         ]
     ]
-    for point in by_weight(front):
+    for point in front.chosen:
         each = kept[point.name]
         told.append(
             [
@@ -171,17 +171,13 @@ def doings(front: Front, kept: dict[str, Any]) -> list[list[str]]:
     return told
 
 
-def by_weight(front: Front) -> list[Point]:
-    return sorted(front.policies, key=lambda point: point.weight or 0.0)
-
-
 def areas(found: dict[str, Front]) -> list[list[str]]:
     """Hypervolumes of every target, under a row of headings."""
     told = [["target", "open loop, hypervolume from (0, 0)", "policies", "% above"]]
     for name, front in found.items():
-        more = gain(front.policies, front.open_loop)
+        more = gain(front.chosen, front.open_loop)
         percent = Estimate(100 * more.mean, 100 * more.low, 100 * more.high, more.runs)
-        told.append([name, cell(area(front.open_loop), 3), cell(area(front.policies), 3), cell(percent, 0, "+")])
+        told.append([name, cell(area(front.open_loop), 3), cell(area(front.chosen), 3), cell(percent, 0, "+")])
     return told
 
 

@@ -12,12 +12,31 @@ from .single import StickSlipCrawlerEnv
 from .sub_environment import SubEnvironment
 from .vector import StickSlipCrawlerVectorEnv
 
-__all__ = ["StickSlipCrawlerMOEnv", "StickSlipCrawlerMOVectorEnv"]
+__all__ = ["StickSlipCrawlerMOEnv", "StickSlipCrawlerMOVectorEnv", "objectives_of"]
 
 
 def _gains(told: Mapping[str, Any]) -> NDArray[np.float64]:
     """Objectives of what was told of a step, of one crawler or of many; shape (..., objectives)."""
     return np.stack([told[each.name] for each in OBJECTIVES], axis=-1)
+
+
+def objectives_of(infos: Mapping[str, Any]) -> NDArray[np.float64]:
+    """Objectives of a step of a batch, from its infos; where an episode has ended, those of its last step.
+
+    Parameters
+    ----------
+    infos : mapping
+        Of `StickSlipCrawlerVectorEnv.step`.
+
+    Returns
+    -------
+    (num_envs, objectives) array
+    """
+    gains = _gains(infos)
+    if "final_info" in infos:  # the others are of the episodes that have begun
+        ended = infos["_final_info"]
+        gains[ended] = _gains(infos["final_info"])[ended]
+    return gains
 
 
 def _checked(arguments: Mapping[str, Any], **changed: Any) -> dict[str, Any]:
@@ -150,8 +169,4 @@ class StickSlipCrawlerMOVectorEnv(StickSlipCrawlerVectorEnv):
             As of `StickSlipCrawlerVectorEnv`, and so is what it raises.
         """
         observations, _, terminations, truncations, infos = super().step(actions)
-        rewards = _gains(infos)
-        if "final_info" in infos:  # the others are of the episodes that have begun
-            ended = infos["_final_info"]
-            rewards[ended] = _gains(infos["final_info"])[ended]
-        return observations, rewards, terminations, truncations, infos
+        return observations, objectives_of(infos), terminations, truncations, infos

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..common.extras import optional_import
 from ..common.files import atomically
-from ..common.validation import known_names, whole_number
+from ..common.validation import known_names, number_within, whole_number
 from ..envs.settings import Settings
 from ..envs.specification import plain
 from .algorithms import ALGORITHMS
@@ -17,11 +17,14 @@ from .algorithms import ALGORITHMS
 with optional_import():
     import yaml
 
-__all__ = ["Configuration", "Run"]
+__all__ = ["EVEN", "STARTS", "Configuration", "Run"]
 
 _CHECKPOINT = re.compile(r"(\d+)_steps\.zip")
 ENV_ARGUMENTS = tuple(signature(Settings.of).parameters)
 ENVIRONMENTS = ("StickSlipCrawler-v0",)
+EVEN = "even"
+STARTS = (EVEN, "open", "shut")
+"""What a policy does before it has learned: chances are even, or the valve is mostly held open, or shut."""
 _LARGEST_SEED = 2**32 - 1
 _KEPT = (
     "configuration.yml",
@@ -52,11 +55,17 @@ class Configuration:
         As in a file of rl-baselines3-zoo's form, `n_envs`, `n_timesteps` and `policy` among them. If they have
         `env_kwargs`, these go over to those above, which win.
     seed : int, >= 0
+    start : {"even", "open", "shut"}
+        What the policy does before it has learned: one of :data:`STARTS`. Where rewards have several local optima, as
+        between rest and walk, it decides which is found.
+    floor : float, >= 0, optional
+        Speed below which memory is worth less: what is learned is the utility of a `stickslip.train.floor.Floor`
+        instead of the weighted reward.
 
     Raises
     ------
     ValueError, TypeError
-        If the algorithm or the environment is unknown, or the seed is not a whole number >= 0.
+        If the algorithm, the environment or the start is unknown, or the seed is not a whole number >= 0.
     """
 
     algorithm: str = "ppo"
@@ -64,12 +73,18 @@ class Configuration:
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     hyperparameters: dict[str, Any] = field(default_factory=dict)
     seed: int = 0
+    start: str = EVEN
+    floor: float | None = None
 
     def __post_init__(self) -> None:
         if self.algorithm not in ALGORITHMS:
             raise ValueError(f"algorithm must be one of {list(ALGORITHMS)}, got {self.algorithm!r}")
         if self.environment not in ENVIRONMENTS:
             raise ValueError(f"environment must be one of {list(ENVIRONMENTS)}, got {self.environment!r}")
+        if self.start not in STARTS:
+            raise ValueError(f"start must be one of {list(STARTS)}, got {self.start!r}")
+        if self.floor is not None:
+            object.__setattr__(self, "floor", number_within("floor", self.floor, "[0, inf)"))
         whole_number("seed", self.seed, 0, _LARGEST_SEED)
         for name in ("env_kwargs", "hyperparameters"):
             if not isinstance(getattr(self, name), Mapping):

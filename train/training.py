@@ -18,13 +18,14 @@ from . import verdict
 from .algorithms import algorithm_class
 from .evaluation import Acting
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
-from .hyperparameters import resolve
+from .floor import Floor, FloorVecEnv
+from .hyperparameters import entropy_schedule, resolve
 from .long_runs import of_policy, of_words
 from .policies.files import read_policy, WEIGHTS, write_policy
 from .policies.from_model import policy_of
 from .probe import first_rewards
-from .run import Configuration, Run
-from .still import hold_still
+from .run import Configuration, EVEN, Run
+from .still import begin_still, hold_still
 from .trust import read_pickle, write_pickle
 from .vec_env import StickSlipVecEnv
 from .verdict import Judging
@@ -61,7 +62,8 @@ def train(
 
     The best policy of the evaluations is kept, and compared, on fresh seeds over long runs, with the valve held open,
     held shut and the best word: ``report.json`` and ``report.md`` say what came of it, and that the training failed
-    where one of these has more reward.
+    where one of these has more reward. Where the configuration has a floor on speed, no reward decides, and nothing is
+    judged.
 
     Parameters
     ----------
@@ -117,11 +119,13 @@ def train(
         environments.seed(seed)
         return environments
 
-    environments = make(
-        configuration.hyperparameters["n_envs"],
-        configuration.seed,
-        partial(StickSlipVecEnv, sparse_infos=True) if vec_env is None else vec_env,
-    )
+    if vec_env is not None:
+        constructor: Callable[..., VecEnv] = vec_env
+    elif configuration.floor is None:
+        constructor = partial(StickSlipVecEnv, sparse_infos=True)
+    else:
+        constructor = partial(FloorVecEnv, floor=Floor(configuration.floor), sparse_infos=True)
+    environments = make(configuration.hyperparameters["n_envs"], configuration.seed, constructor)
     try:
         checkpoint = None
         if resume:
@@ -138,6 +142,8 @@ def train(
                     device="cpu",
                     **arguments,
                 )
+                if configuration.start != EVEN:
+                    begin_still(model, int(configuration.start == "open"))
                 vars(model)[_CONFIGURATION] = asdict(configuration)  # SB3 saves every attribute
                 vars(model)[_REWARDS] = rewards
                 if not resume:
@@ -174,7 +180,7 @@ def train(
                     )
                     keeper.keep()
             write_pickle(run.final, model.save)
-            if remaining > 0 or not (folder / verdict.REPORT).exists():
+            if configuration.floor is None and (remaining > 0 or not (folder / verdict.REPORT).exists()):
                 _judge(run, model, judging, or_still=or_still, trust=trust)
     finally:
         environments.close()
@@ -309,6 +315,7 @@ class _Keeper(BaseCallback):
         episodes = 1 if arguments.get("dither") == 0.0 and not arguments.get("randomize") else _EPISODES
         self._environments = make(episodes, _EVALUATION_SEED)
         self._table = run.folder / "evaluations.csv"
+        self._entropy = entropy_schedule(run.configuration.hyperparameters)
 
     def __enter__(self) -> "_Keeper":
         if self._table.exists():
@@ -330,6 +337,11 @@ class _Keeper(BaseCallback):
     def _on_step(self) -> bool:
         self._on_progress(self.num_timesteps)
         return True
+
+    def _on_rollout_end(self) -> None:
+        if self._entropy is not None:
+            done = self.num_timesteps / self._run.configuration.hyperparameters["n_timesteps"]
+            vars(self.model)["ent_coef"] = self._entropy(max(0.0, 1.0 - done))
 
     def _on_rollout_start(self) -> None:
         # Here the policy is fresh from an update; it does not change within a rollout.
@@ -353,7 +365,11 @@ class _Keeper(BaseCallback):
             return_episode_rewards=True,
         )
         reward = float(np.sum(returns) / np.sum(lengths))
-        evaluation = Evaluation(self.num_timesteps, reward, *np.mean(terms, axis=0).tolist())
+        speed, memory = np.mean(terms, axis=0).tolist()
+        floor = self._run.configuration.floor
+        if floor is not None:
+            reward = Floor(floor).utility(speed, memory)
+        evaluation = Evaluation(self.num_timesteps, reward, speed, memory)
         self.logger.record("eval/mean_reward_per_step", reward)
         self.logger.record("eval/mean_speed", evaluation.speed)
         self.logger.record("eval/mean_memory", evaluation.memory)

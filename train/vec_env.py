@@ -123,7 +123,7 @@ class StickSlipVecEnv(VecEnv):
         if over:
             self._tell_the_ends(infos, told, over, truncations & ~terminations)
             self._keep_reset_infos(over)
-        return observations, rewards.astype(np.float32), dones, infos
+        return observations, self._paid(rewards, told).astype(np.float32), dones, infos
 
     def close(self) -> None:
         """End the threads, and close the window if there is one."""
@@ -166,6 +166,10 @@ class StickSlipVecEnv(VecEnv):
 
     def _chosen(self, indices: VecEnvIndices) -> list[SubEnvironment]:
         return [self.env.sub_environments[i] for i in self._get_indices(indices)]
+
+    def _paid(self, rewards: NDArray[np.float64], told: dict[str, Any]) -> NDArray[np.float64]:
+        """What the steps are paid, given what the batch pays and tells."""
+        return rewards
 
     def _infos_within(self, told: Mapping[str, Any], all_over: bool) -> list[dict[str, Any]]:
         """Infos of a step, as if no episode had ended with it."""

@@ -25,6 +25,9 @@ def trade(
         str | None, typer.Option(help="Probabilities that a command is flipped, such as '0.05,0.1'.")
     ] = None,
     seeds: Annotated[int | None, typer.Option(help="Trainings at each weight and dither.")] = None,
+    floors: Annotated[
+        str | None, typer.Option(help="On speed, such as '0.2,0.3': policies for memory above each; '' for none.")
+    ] = None,
     hold: Annotated[float, typer.Option(help="Length of a step, natural time.")] = 0.5,
     groups: GroupsOption = None,
     env_kwargs: Annotated[str, typer.Option(help="Further arguments of the environment, as JSON.")] = "{}",
@@ -60,6 +63,7 @@ def trade(
         "weights": None if weights is None else _numbers("--weights", weights),
         "dithers": None if dithers is None else _numbers("--dithers", dithers),
         "seeds": seeds,
+        "floors": None if floors is None else _numbers("--floors", floors) if floors else (),
         "longest": longest,
         "resolution": resolution,
         "judges": judges,

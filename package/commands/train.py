@@ -34,6 +34,12 @@ def train(
         typer.Option(help="Environment steps in all, instead of the file's or the resumed run's; updates are whole."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Of everything random.")] = 0,
+    start: Annotated[
+        str, typer.Option(help="What the policy does before it has learned: even chances, or mostly open, or shut.")
+    ] = "even",
+    floor: Annotated[
+        float | None, typer.Option(help="On speed: learn memory above it instead of the weighted reward.")
+    ] = None,
     algorithm: Annotated[str, typer.Option(help=_ALGORITHM_HELP)] = "ppo",
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in rl-baselines3-zoo's form.")] = None,
     resume: Annotated[
@@ -65,9 +71,13 @@ def train(
         arguments = kept.env_kwargs | asked
         algorithm = algorithm if "algorithm" in said else kept.algorithm
         seed = seed if "seed" in said else kept.seed
+        start = start if "start" in said else kept.start
+        floor = floor if "floor" in said else kept.floor
     # The algorithm is checked before a file of its name is looked for.
     arguments = arguments | further
-    configuration = Configuration(algorithm=algorithm, environment=_ENVIRONMENT, env_kwargs=arguments, seed=seed)
+    configuration = Configuration(
+        algorithm=algorithm, environment=_ENVIRONMENT, env_kwargs=arguments, seed=seed, start=start, floor=floor
+    )
     if resume and hyperparameters is None:
         entry = dict(kept.hyperparameters)
     else:

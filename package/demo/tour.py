@@ -123,7 +123,7 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         tasks=tasks,
         trade=shown,
         areas=surfaces,
-        gain=gain(front.policies, front.open_loop).mean,
+        gain=gain(front.chosen, front.open_loop).mean,
         knee=front.knee,
         held_open=next(point for point in front.held if point.kind == "held open"),
         profiles=profiles,
@@ -162,7 +162,7 @@ def _work(trade: TradeFolder, console: Console) -> None:
 
 def _noiseless(quiet: Front) -> float:
     """Speed of the policy trained without flips, where there are none."""
-    [speed] = {policy.mean[0] for policy in quiet.policies}
+    [speed] = {policy.mean[0] for policy in quiet.chosen}
     return speed
 
 

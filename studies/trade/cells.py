@@ -66,12 +66,13 @@ def _train(job: Job) -> Outcome:
     from ...train.training import train
 
     cell = job.cell
-    assert cell.weight is not None
     assert cell.seed is not None
     with TemporaryDirectory(prefix="stickslip_") as folder:
         # Of words the front tells more, and on the seeds that judge it.
         judging = replace(verdict.STANDARD, longest_word=1)
-        run = train(job.trade.configuration(cell.dither, cell.weight, cell.seed), Path(folder), judging=judging)
+        run = train(
+            job.trade.configuration(cell.dither, cell.weight, cell.seed, cell.floor), Path(folder), judging=judging
+        )
         return Outcome({}, read_policy(run.best_policy))
 
 
@@ -112,9 +113,8 @@ def _limit(job: Job) -> Outcome:
 
 def _judge(job: Job) -> Outcome:
     [policy], weight = job.policies, job.cell.weight
-    assert weight is not None
     seeds = held_out_seeds(job.trade.judges)
-    acting = policy.at(weight) if policy.conditioned else policy
+    acting = policy if weight is None or not policy.conditioned else policy.at(weight)
     runs = roll_outs(acting, policy.env_kwargs, steps=job.trade.holds, seeds=seeds)
     memories = [0.0 if run.performance.memory is None else run.performance.memory.corrected for run in runs]
     paid = np.array([run.paid[:, :EPISODE].mean(axis=1) for run in runs])
@@ -125,6 +125,8 @@ def _judge(job: Job) -> Outcome:
         "seeds": list(seeds),
         "holds": job.trade.holds,
     }
+    if not policy.conditioned:
+        told["evaluated"] = policy.scores["reward"]["mean"]
     if job.cell.dither:
         commands = {seed: run.command[np.newaxis] for seed, run in zip(seeds, runs, strict=True)}
         cut = feedback_cut(lambda seed: (commands[seed], commands[seed]), job.cell.dither)

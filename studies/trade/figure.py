@@ -81,14 +81,17 @@ def plot_front(front: Front, *, weight: float = 0.2, ax: Axes | None = None) -> 
             ax.plot(*curve.T, "-s", ms=3.2, lw=1.1, mec="white", mew=0.4, color=conditioned_color, zorder=3,
                     label="one policy for all weights")  # fmt: skip
         if front.policies:
-            points = _means(front.policies)
+            chosen = front.chosen
+            points = _means(chosen)
             ax.plot(*points.T, "o", ms=4.5, mec="white", mew=0.5, color=policy_color, zorder=4,
                     label="one policy a weight")  # fmt: skip
-            _bodies_share(ax, [front.policies[i] for i in pareto_front(points)], policy_color)
+            _bodies_share(ax, [chosen[i] for i in pareto_front(points)], policy_color)
         knee = front.knee
         if knee is not None:
             ax.plot(*knee.mean, "o", ms=11, mfc="none", mec="black", mew=0.9, zorder=5)
-            ax.annotate("knee", knee.mean, xytext=(7, 6), textcoords="offset points", fontsize=_SMALL + 1)
+            # Left of it and below nothing else is drawn.
+            ax.annotate("knee", knee.mean, xytext=(-7, -7), textcoords="offset points", ha="right", va="top",
+                        fontsize=_SMALL + 1)  # fmt: skip
         held_open = next(point for point in front.held if point.kind == "held open")
         ax.plot(*held_open.mean, "D", ms=4, color="0.25", zorder=3)
         ax.annotate("held open", held_open.mean, xytext=(6, 4), textcoords="offset points", fontsize=_SMALL)

@@ -36,6 +36,10 @@ class Point:
         Means over one episode of what the environment pays, each before its weight.
     body_memories : (m,) array or None
         Memory of a policy whose feedback is cut: its commands on flips that it knows nothing of.
+    evaluated : float
+        Reward per step in the evaluations of the training, whose seeds judge nothing.
+    floor : float or None
+        On speed, of a training for one instead of a weight.
     """
 
     kind: str
@@ -47,6 +51,8 @@ class Point:
     episode_speeds: NDArray[np.float64] | None = None
     episode_memories: NDArray[np.float64] | None = None
     body_memories: NDArray[np.float64] | None = None
+    evaluated: float = 0.0
+    floor: float | None = None
 
     @property
     def mean(self) -> tuple[float, float]:
@@ -81,17 +87,41 @@ class Front:
         return estimated(np.array(self.limit["speeds"]))
 
     @property
+    def chosen(self) -> list[Point]:
+        """Of the trainings at each weight or floor that with most reward in its own evaluations, by rising weight.
+
+        The seeds that judge have no part in the choice: the best of several on them would be lucky.
+        """
+        best: dict[Any, Point] = {}
+        of_weights_first = sorted(
+            self.policies, key=lambda each: (each.floor or 0.0, each.weight or 0.0, -each.evaluated)
+        )
+        for point in of_weights_first:
+            best.setdefault((point.weight, point.floor), point)
+        return list(best.values())
+
+    @property
+    def shown(self) -> list[Point]:
+        """Those of `points` that a page tells of."""
+        return [*self.open_loop, *self.held, *self.chosen, *self.conditioned]
+
+    def areas_by_seed(self) -> list[float]:
+        """Hypervolume of the trainings of each seed by themselves."""
+        seeds = sorted({point.seed for point in self.policies if point.seed is not None})
+        return [area([point for point in self.policies if point.seed == seed]).mean for seed in seeds]
+
+    @property
     def fastest(self) -> Point | None:
-        """The policy of most speed among those for one weight."""
-        return max(self.policies, key=lambda point: point.mean[0], default=None)
+        """The policy of most speed among those chosen."""
+        return max(self.chosen, key=lambda point: point.mean[0], default=None)
 
     @property
     def knee(self) -> Point | None:
-        """The policy for one weight that is farthest above the chord between the fastest and the one of most memory.
+        """The policy chosen that is farthest above the chord between the fastest of them and that of most memory.
 
         None where none is above it.
         """
-        candidates = list(self.policies)
+        candidates = self.chosen
         if not candidates:
             return None
         means = np.array([point.mean for point in candidates])
@@ -109,7 +139,8 @@ class Front:
         Less means so on these seeds beyond doubt: the 95% interval of the difference from the schedule ends below 0.
         Where all seeds agree there is no doubt.
         """
-        return [point for point in [*self.policies, *self.conditioned] if _below_zero(self.lead(point))]
+        weighed = [point for point in [*self.policies, *self.conditioned] if point.weight is not None]
+        return [point for point in weighed if _below_zero(self.lead(point))]
 
     def lead(self, point: Point) -> Estimate:
         """What a policy earns at its weight above the best schedule."""
@@ -132,12 +163,11 @@ class Front:
 
     def _areas(self) -> dict[str, Any]:
         told: dict[str, Any] = {"open loop": {"hypervolume": as_json(area(self.open_loop))}}
-        for name, points in (("policies", self.policies), ("conditioned policy", self.conditioned)):
+        for name, points in (("policies", self.chosen), ("conditioned policy", self.conditioned)):
             if points:
                 told[name] = {"hypervolume": as_json(area(points)), "gain": as_json(gain(points, self.open_loop))}
-        seeds = sorted({point.seed for point in self.policies if point.seed is not None})
-        if len(seeds) > 1:
-            each = [area([point for point in self.policies if point.seed == seed]).mean for seed in seeds]
+        each = self.areas_by_seed()
+        if len(each) > 1:
             told["policies"]["hypervolume of one training a weight"] = as_json(mean_over_runs(each))
         return told
 
@@ -148,6 +178,7 @@ def described(point: Point) -> dict[str, Any]:
         "kind": point.kind,
         "name": point.name,
         "weight": point.weight,
+        "floor": point.floor,
         "seed": point.seed,
         "speed": as_json(estimated(point.speeds)),
         "memory": as_json(estimated(point.memories)),
@@ -203,6 +234,8 @@ def _policy(kind: str, cell: Cell, result: Mapping[str, Any]) -> Point:
         np.array(paid["speeds"]),
         np.array(paid["memories"]),
         np.array(result["body memories"]) if "body memories" in result else None,
+        result.get("evaluated", 0.0),
+        cell.floor,
     )
 
 

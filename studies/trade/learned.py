@@ -58,7 +58,8 @@ def learned(folder: TradeFolder, front: Front) -> Learned | None:
     if not chosen:
         return None
     policies = {
-        name: folder.policy(Cell(TRAINED, front.dither, point.weight, point.seed)) for name, point in chosen.items()
+        name: folder.policy(Cell(TRAINED, front.dither, point.weight, point.seed, floor=point.floor))
+        for name, point in chosen.items()
     }
     portraits = {name: portrait(policies[name], point.weight) for name, point in chosen.items()}
     imitations = {name: {bits: imitation(each, bits) for bits in _BITS} for name, each in portraits.items()}

@@ -13,9 +13,9 @@ from ...envs.specification import plain
 from ...train.algorithms import ALGORITHMS
 from ...train.hyperparameters import read_hyperparameters
 from ...train.probe import first_rewards
-from ...train.run import Configuration, ENV_ARGUMENTS
+from ...train.run import Configuration, ENV_ARGUMENTS, EVEN
 
-__all__ = ["CONDITIONED", "FULL", "JUDGED", "LIMIT", "OPEN_LOOP", "QUICK", "TRAINED", "Cell", "Trade"]
+__all__ = ["CONDITIONED", "FLOORED", "FULL", "JUDGED", "LIMIT", "OPEN_LOOP", "QUICK", "TRAINED", "Cell", "Trade"]
 
 OPEN_LOOP = "open loop"
 LIMIT = "speed limit"
@@ -24,21 +24,26 @@ CONDITIONED = "conditioned policy"
 JUDGED = {TRAINED: "judged policy", CONDITIONED: "judged conditioned policy"}
 """Kinds of judgement, by the kind of what is judged."""
 
+FLOORED = "StickSlipCrawlerMO-v0"
+"""Whose entry of a hyperparameter file is for trainings above a floor on speed."""
+
 FULL: Mapping[str, Any] = {
-    "weights": (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0),
+    "weights": (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.45, 0.5, 0.7, 1.0),
     "dithers": (0.1,),
     "seeds": 3,
+    "floors": (0.2, 0.3),
     "longest": 16,
     "resolution": 28,
     "judges": 10,
     "holds": 6000,
 }
-"""What a trade takes unless said otherwise."""
+"""What ``stickslip trade`` takes unless said otherwise, and a `Trade` as well but for the floors."""
 
 QUICK: Mapping[str, Any] = {
     **FULL,
     "weights": (0.0, 0.1, 0.2, 1.0),
     "seeds": 1,
+    "floors": (),
     "longest": 8,
     "resolution": 16,
     "judges": 4,
@@ -53,6 +58,8 @@ EPISODE = 1000
 _OWN = ("memory_weight", "dither", "randomize")
 # What a `Policy` can tell; a recurrent one has a memory of its own.
 _POLICY = "MlpPolicy"
+# Whose shipped hyperparameters have an entry for floors.
+_FLOORED = ("ppo",)
 
 
 class Cell(NamedTuple):
@@ -64,6 +71,8 @@ class Cell(NamedTuple):
     seed: int | None = None
     of: str | None = None
     """Which policies a conditioned one is distilled from, as a digest."""
+    floor: float | None = None
+    """On speed, of a policy that was trained for one instead of a weight."""
 
     @property
     def name(self) -> str:
@@ -75,6 +84,8 @@ class Cell(NamedTuple):
             parts.append(f"seed-{self.seed}")
         if self.of is not None:
             parts.append(f"of-{self.of}")
+        if self.floor is not None:
+            parts.append(f"floor-{self.floor!r}")
         return "-".join(parts)
 
     @property
@@ -83,7 +94,7 @@ class Cell(NamedTuple):
         kind = next((kind for kind, judged in JUDGED.items() if judged == self.kind), None)
         if kind is None:
             return None
-        return Cell(kind, self.dither, self.weight if kind == TRAINED else None, self.seed, self.of)
+        return self._replace(kind=kind, weight=self.weight if kind == TRAINED else None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,6 +111,10 @@ class Trade:
         Trainings at each weight and dither.
     first_seed : int, at least 0
         Of the trainings; the others follow.
+    floors : sequence of float, above 0
+        On speed: policies are trained as well for memory above each (`stickslip.train.floor.Floor`). They begin by
+        holding the valve shut mostly: from even chances a policy learns to walk, and never sees what lies near to rest.
+        None are by default, nor where there is no dither.
     env_kwargs : mapping
         Further arguments of the environment, such as ``hold`` and ``groups``. They win over those that the
         hyperparameters bring.
@@ -107,6 +122,9 @@ class Trade:
         One of `stickslip.train.algorithms.ALGORITHMS`.
     hyperparameters : mapping, optional
         As in `stickslip.train.run.Configuration`; those shipped by default.
+    floor_hyperparameters : mapping, optional
+        Of the trainings above floors; by default those of an entry of :data:`FLOORED` that is shipped, and where
+        `hyperparameters` are given, or there is none, the same as of the others.
     steps : int, optional
         Environment steps of each training, instead of the hyperparameters'.
     conditioned : bool
@@ -130,9 +148,11 @@ class Trade:
     dithers: tuple[float, ...] = FULL["dithers"]
     seeds: int = FULL["seeds"]
     first_seed: int = 0
+    floors: tuple[float, ...] = ()
     env_kwargs: Mapping[str, Any] = field(default_factory=dict)
     algorithm: str = "ppo"
     hyperparameters: Mapping[str, Any] | None = None
+    floor_hyperparameters: Mapping[str, Any] | None = None
     steps: int | None = None
     conditioned: bool = True
     longest: int = FULL["longest"]
@@ -141,8 +161,11 @@ class Trade:
     holds: int = FULL["holds"]
 
     def __post_init__(self) -> None:
-        for name, interval in (("weights", "[0, 1]"), ("dithers", "[0, 0.5]")):
+        for name, interval in (("weights", "[0, 1]"), ("dithers", "[0, 0.5]"), ("floors", "(0, inf)")):
             object.__setattr__(self, name, _distinct(name, getattr(self, name), interval))
+        for name in ("weights", "dithers"):
+            if not getattr(self, name):
+                raise ValueError(f"{name} must hold one number at least, got {getattr(self, name)}")
         for name, least in (
             ("seeds", 1),
             ("first_seed", 0),
@@ -153,27 +176,35 @@ class Trade:
         ):
             whole_number(name, getattr(self, name), least)
         known_names("env_kwargs", self.env_kwargs, [name for name in ENV_ARGUMENTS if name not in _OWN])
-        entry = self.hyperparameters
+        entry, floored = self.hyperparameters, self.floor_hyperparameters
         if self.algorithm not in ALGORITHMS:
             raise ValueError(f"algorithm must be one of {list(ALGORITHMS)}, got {self.algorithm!r}")
         if entry is None:
             entry = read_hyperparameters(self.algorithm, Configuration.environment)
-        entry = dict(entry)
-        if entry["policy"] != _POLICY:
-            raise ValueError(f"hyperparameters must have the policy {_POLICY}, got {entry['policy']!r}")
-        if self.steps is not None:
-            entry["n_timesteps"] = whole_number("steps", self.steps, 1)
-        object.__setattr__(self, "hyperparameters", entry)
+            if floored is None and self.algorithm in _FLOORED:
+                floored = read_hyperparameters(self.algorithm, FLOORED)
+        for name, own in (("hyperparameters", entry), ("floor_hyperparameters", entry if floored is None else floored)):
+            kept = dict(own)
+            if kept["policy"] != _POLICY:
+                raise ValueError(f"{name} must have the policy {_POLICY}, got {kept['policy']!r}")
+            if self.steps is not None:
+                kept["n_timesteps"] = whole_number("steps", self.steps, 1)
+            object.__setattr__(self, name, kept)
         object.__setattr__(self, "env_kwargs", plain(self.env_kwargs))
         self.world(self.dithers[0])  # what the environment refuses, it refuses here
 
-    def configuration(self, dither: float, weight: float, seed: int) -> Configuration:
-        """The configuration of a training."""
+    def configuration(
+        self, dither: float, weight: float | None, seed: int, floor: float | None = None
+    ) -> Configuration:
+        """The configuration of a training, for a weight or a floor."""
+        told = {"dither": dither} if weight is None else {"dither": dither, "memory_weight": weight}
         return Configuration(
             algorithm=self.algorithm,
-            env_kwargs={**self.env_kwargs, "dither": dither, "memory_weight": weight},
-            hyperparameters=dict(self.hyperparameters or {}),
+            env_kwargs={**self.env_kwargs, **told},
+            hyperparameters=dict((self.hyperparameters if floor is None else self.floor_hyperparameters) or {}),
             seed=seed,
+            start=EVEN if floor is None else "shut",
+            floor=floor,
         )
 
     def world(self, dither: float) -> Settings:
@@ -187,6 +218,7 @@ class Trade:
             "env_kwargs": described(self.env_kwargs),
             "algorithm": self.algorithm,
             "hyperparameters": described(self.hyperparameters),
+            "floor_hyperparameters": described(self.floor_hyperparameters),
             "longest": self.longest,
             "resolution": self.resolution,
             "judges": self.judges,
@@ -207,7 +239,7 @@ class Trade:
         """
         making = [Cell(OPEN_LOOP, dither) for dither in self.dithers]
         making += [Cell(LIMIT, dither) for dither in self.dithers]
-        making += [cell for dither in self.dithers for cell in self.teachers(dither)]
+        making += [cell for dither in self.dithers for cell in self.teachers(dither) + self.floored(dither)]
         distilling = []
         if self.conditioned:
             distilling = [self._distilled(dither) for dither in self.dithers if dither > 0]
@@ -220,9 +252,17 @@ class Trade:
         return [making, distilling, judging]
 
     def teachers(self, dither: float) -> list[Cell]:
-        """The trainings at a dither, of which the policy for all weights is distilled."""
-        seeds = range(self.first_seed, self.first_seed + self.seeds)
-        return [Cell(TRAINED, dither, weight, seed) for seed in seeds for weight in self.weights_at(dither)]
+        """The trainings for a weight at a dither, of which the policy for all weights is distilled."""
+        return [Cell(TRAINED, dither, weight, seed) for seed in self._seeds for weight in self.weights_at(dither)]
+
+    def floored(self, dither: float) -> list[Cell]:
+        """The trainings at a dither above floors on speed."""
+        floors = self.floors if dither > 0 else ()
+        return [Cell(TRAINED, dither, None, seed, floor=floor) for seed in self._seeds for floor in floors]
+
+    @property
+    def _seeds(self) -> range:
+        return range(self.first_seed, self.first_seed + self.seeds)
 
     def _distilled(self, dither: float) -> Cell:
         names = json.dumps([cell.name for cell in self.teachers(dither)])
@@ -235,6 +275,6 @@ class Trade:
 
 def _distinct(name: str, values: Iterable[float], interval: str) -> tuple[float, ...]:
     numbers = tuple(sorted(number_within(name, value, interval) for value in values))
-    if not numbers or len(set(numbers)) < len(numbers):
-        raise ValueError(f"{name} must hold one number at least and none twice, got {numbers}")
+    if len(set(numbers)) < len(numbers):
+        raise ValueError(f"{name} must hold no number twice, got {numbers}")
     return numbers

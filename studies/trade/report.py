@@ -21,7 +21,7 @@ from .running import TradeFolder
 __all__ = ["COLUMNS", "areas", "figure_of", "rows", "table", "write_report"]
 
 COLUMNS = (
-    "dither", "kind", "weight", "training_seed", "name",
+    "dither", "kind", "weight", "floor", "training_seed", "name",
     "speed", "speed_low", "speed_high", "memory", "memory_low", "memory_high",
     "reward", "lead", "lead_low", "lead_high",
     "episode_speed", "episode_memory", "body_memory",
@@ -36,7 +36,7 @@ def rows(front: Front) -> Iterator[dict[str, Any]]:
     for point in front.points:
         row: dict[str, Any] = dict.fromkeys(COLUMNS)
         row |= {"dither": front.dither, "kind": point.kind, "name": point.name}
-        row |= {"weight": point.weight, "training_seed": point.seed}
+        row |= {"weight": point.weight, "floor": point.floor, "training_seed": point.seed}
         for name, values in (("speed", point.speeds), ("memory", point.memories)):
             row |= _ends(name, estimated(values))
         if point.weight is not None:
@@ -99,10 +99,18 @@ def figure_of(front: Front, name: str = "front") -> str:
 def table(front: Front) -> list[list[str]]:
     """Speed, memory and reward of what matters at one dither, under a row of headings."""
     told = [
-        ["", "weight", "speed", "memory", "reward above the best schedule", "memory paid in an episode", "of the body"]
+        [
+            "",
+            "weight or floor",
+            "speed",
+            "memory",
+            "reward above the best schedule",
+            "memory paid in an episode",
+            "of the body",
+        ]
     ]
     corners = _corners(front.open_loop)
-    for point in front.points:
+    for point in front.shown:
         if point.kind == OPEN_LOOP and point not in corners:
             continue
         memory, paid = point.memories.mean(), point.episode_memories
@@ -115,7 +123,7 @@ def table(front: Front) -> list[list[str]]:
                         *([] if point.seed is None else [f"seed {point.seed}"]),
                     ]
                 ),
-                "" if point.weight is None else f"{point.weight:g}",
+                _objective(point),
                 cell(estimated(point.speeds), 3),
                 cell(estimated(point.memories)) if front.dither else "",
                 "" if point.weight is None else cell(front.lead(point), 3, "+"),
@@ -124,6 +132,17 @@ def table(front: Front) -> list[list[str]]:
             ]
         )
     return told
+
+
+def _floors(trade: Trade) -> str:
+    return " and above each floor on speed" if trade.floors else ""
+
+
+def _objective(point: Point) -> str:
+    """What a policy was trained for."""
+    if point.floor is not None:
+        return f"speed ≥ {point.floor:g}"
+    return "" if point.weight is None else f"{point.weight:g}"
 
 
 def _corners(words: Sequence[Point]) -> list[Point]:
@@ -140,7 +159,8 @@ def _page(trade: Trade, fronts: Sequence[Front], looked_at: Mapping[float, Learn
         "# Distance against memory",
         f"Hold {hold:g}. Everything is judged on {trade.judges} seeds that no training saw, over runs of {trade.holds}"
         f" holds: means [95% intervals]. Open-loop words have up to {trade.longest} bits. Policies are trained by"
-        f" {trade.algorithm}, {trade.seeds} at each weight of memory in the reward.",
+        f" {trade.algorithm}, {trade.seeds} at each weight of memory in the reward{_floors(trade)}; of these the one is"
+        " shown that was best in the evaluations of its own training.",
     ]
     for front in fronts:
         parts.append(f"## Dither {front.dither:g}")
@@ -150,7 +170,7 @@ def _page(trade: Trade, fronts: Sequence[Front], looked_at: Mapping[float, Learn
         if (knee := front.knee) is not None:
             parts.append(
                 f"The knee: speed {cell(estimated(knee.speeds), 3)} and memory {cell(estimated(knee.memories))}, by the"
-                f" {knee.kind} at weight {knee.weight:g}."
+                f" {knee.kind} of {_objective(knee)}."
             )
         losses, trained = front.losses(), len(front.policies) + len(front.conditioned)
         parts.append(
@@ -172,11 +192,18 @@ def _page(trade: Trade, fronts: Sequence[Front], looked_at: Mapping[float, Learn
 def areas(front: Front) -> list[list[str]]:
     """Hypervolumes at one dither, under a row of headings."""
     told = [["", "hypervolume from (0, 0)", "% above open loop"], [OPEN_LOOP, cell(area(front.open_loop)), ""]]
-    for name, points in (("policies", front.policies), ("conditioned policy", front.conditioned)):
+    for name, points in (("policies", front.chosen), ("conditioned policy", front.conditioned)):
         if points:
             more = gain(points, front.open_loop)
             percent = Estimate(100 * more.mean, 100 * more.low, 100 * more.high, more.runs)
             told.append([name, cell(area(points)), cell(percent, 0, "+")])
+    each = front.areas_by_seed()
+    if len(each) > 1:
+        shares = [100 * (one / area(front.open_loop).mean - 1) for one in each]
+        ends = f"{min(shares):+.0f} to {max(shares):+.0f}"
+        told.append(
+            [f"policies of one seed, least and most of {len(each)}", f"{min(each):.2f} to {max(each):.2f}", ends]
+        )
     return told
 
 

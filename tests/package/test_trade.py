@@ -66,6 +66,8 @@ def test_a_trade_is_asked_for_option_by_option(asked, capsys, tmp_path):
     command += f" --hyperparameters {file} --steps 90 --longest 5 --resolution 9 --judges 3 --holds 1200 --processes 3"
     options = [
         "--no-conditioned",
+        "--floors",
+        "0.25,0.3",
         "--groups",
         '{"duffing": 2}',
         "--env-kwargs",
@@ -81,6 +83,7 @@ def test_a_trade_is_asked_for_option_by_option(asked, capsys, tmp_path):
         weights=(0.0, 0.5),
         dithers=(0.05, 0.2),
         seeds=2,
+        floors=(0.25, 0.3),
         env_kwargs={"hold": 0.75, "groups": {"duffing": 2}, "delays": 3},
         algorithm="a2c",
         hyperparameters=trade.hyperparameters,

@@ -3,7 +3,7 @@
 import pytest
 
 from stickslip.train.algorithms import ALGORITHMS
-from stickslip.train.hyperparameters import linear_schedule, read_hyperparameters, resolve
+from stickslip.train.hyperparameters import entropy_schedule, linear_schedule, read_hyperparameters, resolve
 from stickslip.train.run import Configuration
 
 ID = "StickSlipCrawler-v0"
@@ -39,6 +39,16 @@ def test_every_schedule_is_understood_and_a_mapping_is_taken_as_it_is():
     assert resolved["policy_kwargs"] == {"net_arch": [3]}
     assert resolved["other"] == "lin_1"
     assert linear_schedule(2.0)(0.75) == 1.5
+
+
+def test_the_weight_of_entropy_may_fall_though_the_algorithms_take_a_number():
+    assert resolve({"ent_coef": "lin_0.02"}) == {"ent_coef": 0.02}
+    falling = entropy_schedule({"ent_coef": "lin_0.02"})
+    assert [falling(progress) for progress in (1.0, 0.5, 0.0)] == [0.02, 0.01, 0.0]
+    for fixed in ({}, {"ent_coef": 0.01}, {"ent_coef": "1e-2"}):
+        assert entropy_schedule(fixed) is None
+    with pytest.raises(ValueError, match=r"ent_coef must be a number or lin_<number>, got 'auto'"):
+        entropy_schedule({"ent_coef": "auto"})
 
 
 def test_a_file_of_one_s_own_is_read_instead_of_the_packaged_one(tmp_path):

@@ -114,7 +114,14 @@ def test_a_policy_says_where_it_comes_from_and_nothing_changes_it():
     description = policy.description
     assert description["groups"]["duffing"] == 2.0
     assert description["groups"]["deborah"] == 0.5
-    assert description["algorithm"] == {"name": "ppo", "hyperparameters": {"n_steps": 8}, "seed": 3, "steps": 0}
+    assert description["algorithm"] == {
+        "name": "ppo",
+        "hyperparameters": {"n_steps": 8},
+        "seed": 3,
+        "start": "even",
+        "floor": None,
+        "steps": 0,
+    }
     assert description["versions"]["torch"] == torch.__version__.split("+")[0] or torch.__version__
     assert description["network"] == {"sizes": [5, 4, 2], "activation": "tanh", "outputs": "logits"}
     names = ["deformation", "velocity", "pressure", "foot_velocity", "valve 1 holds ago"]

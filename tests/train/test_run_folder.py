@@ -27,6 +27,8 @@ def test_a_configuration_is_kept_in_plain_words(tmp_path):
         "env_kwargs": {"groups": Groups(duffing=2.0).to_dict(), "scene": Scene(slope=0.125).to_dict(), "hold": 0.25},
         "hyperparameters": {"n_envs": 3, "n_timesteps": 9, "policy": "MlpPolicy", "learning_rate": "lin_0.1"},
         "seed": 7,
+        "start": "even",
+        "floor": None,
     }
     assert json.loads(json.dumps(written)) == written
     assert Run.open(run.folder).configuration == ASKED
@@ -66,6 +68,8 @@ def test_a_configuration_keeps_arguments_of_its_own():
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
+        ({"start": "ajar"}, ValueError, r"start must be one of \['even', 'open', 'shut'\], got 'ajar'"),
+        ({"floor": -0.1}, ValueError, r"floor must be in \[0, inf\), got -0.1"),
         ({"seed": -1}, ValueError, r"seed must be a whole number in \[0, 4294967295\], got -1"),
         ({"seed": 2**32}, ValueError, r"seed must be a whole number in \[0, 4294967295\], got 4294967296"),
         ({"seed": 1.0}, TypeError, r"seed must be a whole number"),

@@ -20,7 +20,7 @@ from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.train import library_threads, StickSlipVecEnv
 from stickslip.train.algorithms import ALGORITHMS
 from stickslip.train.evaluation import measure, roll_out
-from stickslip.train.hyperparameters import read_hyperparameters, resolve
+from stickslip.train.hyperparameters import entropy_schedule, read_hyperparameters, resolve
 from stickslip.train.report import evaluate_run
 from stickslip.train.run import Configuration, Run
 from stickslip.train.training import load_policy, train
@@ -125,7 +125,7 @@ SHORT = partial(StickSlipVecEnv, max_episode_steps=20)
 @pytest.fixture(scope="module")
 def flipped_run(tmp_path_factory):
     """Three updates of PPO where the seed of the flips matters."""
-    asked = configuration(384, 5, n_envs=4, n_steps=32, batch_size=64, learning_rate="lin_0.01")
+    asked = configuration(384, 5, n_envs=4, n_steps=32, batch_size=64, learning_rate="lin_0.01", ent_coef=0.01)
     return train(replace(asked, env_kwargs=TRADE), tmp_path_factory.mktemp("runs") / "flipped", vec_env=SHORT)
 
 
@@ -197,6 +197,13 @@ def test_a_schedule_falls_over_all_the_steps_of_a_run(flipped_run, tmp_path):
     assert rates(run) == pytest.approx(rates(flipped_run) | {512: 0.01 / 3, 640: 0.01 / 6, 768: 0.0})
 
 
+def test_the_weight_of_entropy_falls_before_each_update(tmp_path):
+    asked = configuration(384, n_envs=4, n_steps=32, batch_size=64, ent_coef="lin_0.03")
+    run = train(asked, tmp_path / "run", vec_env=SHORT)
+    kept = [load_policy(run, run.checkpoint(steps), trust=True).ent_coef for steps in (128, 256, 384)]
+    assert kept == pytest.approx([0.02, 0.01, 0.0])
+
+
 def test_an_interrupted_run_goes_on_from_its_last_checkpoint(tmp_path):
     whole = configuration(512, n_envs=4, n_steps=64, batch_size=64)
 
@@ -237,8 +244,10 @@ def small(algorithm):
 
 
 def assert_made_as_asked_for(model, asked):
-    """Every hyperparameter is as in a model that Stable-Baselines3 makes of it."""
+    """Every hyperparameter is as in a model that Stable-Baselines3 makes of it; what falls has a test of its own."""
     entry = resolve(asked.hyperparameters)
+    if entropy_schedule(asked.hyperparameters) is not None:
+        del entry["ent_coef"]
     del entry["n_timesteps"]
     batch = StickSlipVecEnv(entry.pop("n_envs"), **SPEED)
     assert model.n_envs == batch.num_envs

@@ -11,13 +11,15 @@ from ...common.extras import optional_import
 with optional_import():
     import yaml
 
-__all__ = ["linear_schedule", "read_hyperparameters", "resolve"]
+__all__ = ["entropy_schedule", "linear_schedule", "read_hyperparameters", "resolve"]
 
 _REQUIRED = ("n_envs", "n_timesteps", "policy")
 # What a run sets itself.
 _RESERVED = ("env", "seed", "device", "tensorboard_log", "verbose")
 # Whatever a file may set that SB3 takes as a function of the remaining progress.
 _SCHEDULES = ("learning_rate", "clip_range", "clip_range_vf")
+# What it takes as a number alone; a training sets it anew before each update.
+_ENTROPY = "ent_coef"
 
 
 def read_hyperparameters(algorithm: str, environment: str, file: Path | None = None) -> dict[str, Any]:
@@ -108,9 +110,33 @@ def resolve(hyperparameters: dict[str, Any]) -> dict[str, Any]:
     for name in _SCHEDULES:
         if isinstance(resolved.get(name), str):
             resolved[name] = _schedule(name, resolved[name])
+    if (falling := entropy_schedule(resolved)) is not None:
+        resolved[_ENTROPY] = falling(1.0)
     if "policy_kwargs" in resolved:
         resolved["policy_kwargs"] = _mapping("policy_kwargs", resolved["policy_kwargs"])
     return resolved
+
+
+def entropy_schedule(hyperparameters: dict[str, Any]) -> Callable[[float], float] | None:
+    """Schedule of ``ent_coef``, which SB3 takes as a number alone.
+
+    Parameters
+    ----------
+    hyperparameters : dict
+        As written in a file.
+
+    Returns
+    -------
+    callable or None
+        From the progress that remains, from 1 to 0, to the coefficient; None where it is a number, or not set.
+
+    Raises
+    ------
+    ValueError
+        If it is neither a number nor a schedule.
+    """
+    value = _number(hyperparameters.get(_ENTROPY))
+    return _schedule(_ENTROPY, value) if isinstance(value, str) else None
 
 
 def linear_schedule(start: float) -> Callable[[float], float]:

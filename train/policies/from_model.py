@@ -77,6 +77,8 @@ def policy_of(
             "name": configuration.algorithm,
             "hyperparameters": described(configuration.hyperparameters),
             "seed": configuration.seed,
+            "start": configuration.start,
+            "floor": configuration.floor,
             "steps": int(model.num_timesteps),
         },
         "versions": {

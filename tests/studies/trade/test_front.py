@@ -16,7 +16,7 @@ from stickslip.studies.trade.front import area, estimated, Front, fronts, gain, 
 from stickslip.studies.trade.learned import Learned
 from stickslip.studies.trade.plan import Cell, CONDITIONED, JUDGED, LIMIT, OPEN_LOOP, Trade, TRAINED
 from stickslip.studies.trade.portrait import imitation, portrait
-from stickslip.studies.trade.report import COLUMNS, rows, table, write_report
+from stickslip.studies.trade.report import areas, COLUMNS, rows, table, write_report
 
 SPREAD = np.array([-0.01, 0.0, 0.01])
 
@@ -58,6 +58,27 @@ def test_an_interval_of_a_linear_statistic_is_students():
     assert gain(alone, alone).mean == 0
 
 
+def test_of_several_trainings_their_own_evaluations_choose():
+    """Not the seeds that judge: on those another may have been luckier."""
+    fast, between, slow = a_front().policies
+    lucky = point(TRAINED, "lucky", 0.9, 3.9, weight=0.2, seed=1)
+    front = a_front(policies=[replace(slow, evaluated=4.0), replace(between, evaluated=1.1), lucky, fast])
+    assert [each.name for each in front.chosen] == ["fast", "between", "slow"]
+    assert (front.knee.name, front.fastest.name) == ("between", "fast")
+    front = a_front(policies=[fast, between, slow, replace(lucky, evaluated=1.2)])
+    assert [each.name for each in front.chosen] == ["fast", "lucky", "slow"]
+    above = [replace(each, weight=None, floor=0.3) for each in (between, lucky)]
+    chosen = a_front(policies=[fast, slow, above[0], replace(above[1], evaluated=0.1)]).chosen
+    assert [each.name for each in chosen] == ["fast", "slow", "lucky"]
+    assert front.fastest.name == "lucky"
+    alone = "policies of one seed, least and most of 2"
+    assert [each[0] for each in areas(front)] == ["", OPEN_LOOP, "policies", alone]
+    # Of the second seed there is one policy; of the first there are three, of area 2.4. Open loop has 1.6.
+    assert areas(front)[-1][1:] == ["2.40 to 3.51", "+50 to +119"]
+    assert "lucky" not in str(table(a_front(policies=[*a_front().policies, replace(lucky, evaluated=-1.0)])))
+    assert front.summary()["policies"]["hypervolume"]["mean"] == area(front.chosen).mean
+
+
 def test_the_knee_is_farthest_above_the_chord():
     assert a_front().knee.name == "between"
     on_the_chord = point(TRAINED, "between", 0.45, 3.0, weight=0.2)
@@ -94,10 +115,12 @@ def results(trade):
         elif cell.kind == LIMIT:
             found[cell] = {"speeds": [0.84, 0.85]}
         elif cell.judges is not None:
-            speed = 0.8 - 0.5 * cell.weight
+            weight = 0.9 if cell.weight is None else cell.weight
+            speed = 0.8 - 0.5 * weight
             found[cell] = {
+                "evaluated": 10 * weight + (cell.seed or 0),
                 "speeds": [speed, speed + 0.01],
-                "memories": [2 + cell.weight, 2.1 + cell.weight] if cell.dither else [0.0, 0.0],
+                "memories": [2 + weight, 2.1 + weight] if cell.dither else [0.0, 0.0],
                 "episodes": {"speeds": [speed, speed], "memories": [1.5, 1.5]},
             }
         else:
@@ -106,18 +129,22 @@ def results(trade):
 
 
 def test_points_come_from_the_cells_of_their_dither():
-    trade = Trade(weights=(0.0, 0.5), dithers=(0.0, 0.1), seeds=1, conditioned=True)
+    trade = Trade(weights=(0.0, 0.5), dithers=(0.0, 0.1), seeds=1, floors=(0.3,), conditioned=True)
     quiet, front = fronts(trade, results(trade))
     assert (quiet.dither, front.dither) == (0.0, 0.1)
     assert [each.weight for each in quiet.policies] == [0.0]
     assert [(each.kind, each.weight) for each in front.policies + front.conditioned] == [
         (TRAINED, 0.0),
         (TRAINED, 0.5),
+        (TRAINED, None),
         (CONDITIONED, 0.0),
         (CONDITIONED, 0.5),
     ]
     assert [(each.kind, each.name) for each in front.held] == [("held open", "1"), ("held shut", "0")]
     assert front.policies[1].mean == pytest.approx((0.555, 2.55))
+    assert [(each.floor, each.evaluated) for each in front.policies] == [(None, 0.0), (None, 5.0), (0.3, 9.0)]
+    assert [each.weight for each in front.losses()] == [0.5, 0.5]  # what has no weight has no reward to lose by
+    assert [row[1] for row in table(front) if row[0] == "policy seed 0"] == ["0", "0.5", "speed ≥ 0.3"]
     assert front.speed_limit.mean == pytest.approx(0.845)
     assert Cell(JUDGED[TRAINED], 0.1, 0.5, 0).name == "judged-" + front.policies[1].name
 

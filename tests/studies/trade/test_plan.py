@@ -8,7 +8,7 @@ from stickslip.studies.trade.plan import Cell, CONDITIONED, FULL, JUDGED, LIMIT,
 
 
 def test_cells_are_all_that_is_asked_for_and_each_judgement_comes_after_what_it_judges():
-    trade = Trade(weights=(0.2, 0.0), dithers=(0.0, 0.1), seeds=2, conditioned=True)
+    trade = Trade(weights=(0.2, 0.0), dithers=(0.0, 0.1), seeds=2, floors=(0.25,), conditioned=True)
     making, distilling, judging = trade.cells()
     assert making == [
         Cell(OPEN_LOOP, 0.0),
@@ -17,16 +17,17 @@ def test_cells_are_all_that_is_asked_for_and_each_judgement_comes_after_what_it_
         Cell(LIMIT, 0.1),
         *(Cell(TRAINED, 0.0, 0.0, seed) for seed in (0, 1)),
         *(Cell(TRAINED, 0.1, weight, seed) for seed in (0, 1) for weight in (0.0, 0.2)),
+        *(Cell(TRAINED, 0.1, None, seed, floor=0.25) for seed in (0, 1)),
     ]
     [distilled] = distilling
     assert distilled[:4] == (CONDITIONED, 0.1, None, 0)
-    assert trade.teachers(0.1) == making[6:]
+    assert trade.teachers(0.1) + trade.floored(0.1) == making[6:]
     assert len({cell.name for cell in making + distilling + judging}) == len(making) + 1 + len(judging)
     judged = [cell.judges for cell in judging]
     assert set(judged) == {cell for cell in making + distilling if cell.kind in JUDGED}
     assert judged.count(distilled) == 2  # once a weight
     assert all(cell.judges is None for cell in making)
-    without = Trade(weights=(0.2, 0.0), dithers=(0.0, 0.1), seeds=2, conditioned=False).cells()
+    without = Trade(weights=(0.2, 0.0), dithers=(0.0, 0.1), seeds=2, floors=(0.25,), conditioned=False).cells()
     assert [cell for stage in without for cell in stage] == [
         cell for stage in (making, distilling, judging) for cell in stage if "conditioned" not in cell.kind
     ]
@@ -34,6 +35,7 @@ def test_cells_are_all_that_is_asked_for_and_each_judgement_comes_after_what_it_
 
 def test_names_tell_cells_apart_that_print_alike():
     assert Cell(TRAINED, 0.1, 0.2, 3).name == "policy-dither-0.1-weight-0.2-seed-3"
+    assert Cell(TRAINED, 0.1, None, 3, floor=0.2).name == "policy-dither-0.1-seed-3-floor-0.2"
     near = 0.1 + 0.2
     assert f"{near:g}" == f"{0.3:g}"
     assert Cell(TRAINED, 0.1, near, 0).name != Cell(TRAINED, 0.1, 0.3, 0).name
@@ -44,6 +46,10 @@ def test_a_training_is_what_the_trade_says():
     configuration = trade.configuration(0.05, 0.3, 2)
     assert configuration.env_kwargs.items() >= {"dither": 0.05, "memory_weight": 0.3, "hold": 0.7}.items()
     assert (configuration.hyperparameters["n_timesteps"], configuration.seed) == (77, 2)
+    assert (configuration.start, configuration.floor) == ("even", None)
+    configuration = trade.configuration(0.05, None, 2, 0.25)
+    assert (configuration.start, configuration.floor) == ("shut", 0.25)
+    assert "memory_weight" not in configuration.env_kwargs
 
 
 def test_a_policy_of_other_teachers_is_another(tmp_path):
@@ -78,8 +84,9 @@ def test_a_changed_reward_is_told_by_the_probe():
     ("arguments", "error", "message"),
     [
         ({"weights": (0.1, 1.2)}, ValueError, r"weights must be in \[0, 1\], got 1.2"),
-        ({"weights": ()}, ValueError, "weights must hold one number at least and none twice"),
-        ({"weights": (0.1, 0.1)}, ValueError, "weights must hold one number at least and none twice"),
+        ({"weights": ()}, ValueError, "weights must hold one number at least, got"),
+        ({"weights": (0.1, 0.1)}, ValueError, "weights must hold no number twice"),
+        ({"floors": (0.0,)}, ValueError, r"floors must be in \(0, inf\), got 0.0"),
         ({"dithers": (0.6,)}, ValueError, r"dithers must be in \[0, 0.5\], got 0.6"),
         ({"seeds": 0}, ValueError, "seeds must be a whole number >= 1, got 0"),
         ({"judges": 1}, ValueError, "judges must be a whole number >= 2, got 1"),
