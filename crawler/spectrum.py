@@ -76,6 +76,12 @@ class LyapunovSpectrum:
     time: Any
     groups: Groups | tuple[Groups, ...]
 
+    def __getitem__(self, row: int) -> LyapunovSpectrum:
+        """Exponents of one crawler of several."""
+        if isinstance(self.groups, Groups):
+            raise TypeError("an index is of one crawler of several, got one alone")
+        return LyapunovSpectrum(**{field.name: getattr(self, field.name)[row] for field in fields(self)})
+
     @property
     def verdict(self) -> Any:
         """What the exponents say, str or (rows,) array of str.

@@ -39,6 +39,7 @@ def of_readout_penalty(script, results):
 TABLES = {
     "condition_cost": lambda script, results: {"condition": script.table(results["ratios"])},
     "encodings": lambda script, results: {"encodings": script.markdown(results["rows"])},
+    "exponents": lambda script, results: script.tables(results),
     "extremes": lambda script, results: {"extremes": script.table(results)},
     "front": lambda script, results: script.tables(results),
     "front_targets": lambda script, results: script.tables(results),

@@ -106,6 +106,18 @@ DEFAULTS = {
         "processes": None,
         "dask": None,
     },
+    "lyapunov": {
+        "groups": None,
+        "scene": "{}",
+        "hold": 0.5,
+        "inputs": "bits",
+        "holds": 4200,
+        "washout": 200,
+        "seeds": 1,
+        "tolerance": 1e-9,
+        "over": None,
+        "output": "runs/lyapunov",
+    },
     "trade": {
         "output": "runs/trade",
         "quick": False,
