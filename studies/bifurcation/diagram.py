@@ -145,7 +145,7 @@ def bifurcation_diagram(
         found = lyapunov_spectrum(
             each, together, np.array(lengths), scene=scenes, tolerance=tolerance, washout=washout, threads=threads
         )
-        spectra += found
+        spectra += [found[row] for row in range(len(each))]
         motion = simulate(
             np.repeat(np.array(each, object), seeds).tolist(),
             together.reshape(-1, holds),
