@@ -22,6 +22,7 @@ from stickslip.crawler import Groups, Scene
 from stickslip.crawler.batch.advance import advance_lanes, lane_workspace, one_by_one
 from stickslip.crawler.batch.step import sample_lanes, step_lanes
 from stickslip.crawler.drive import drive
+from stickslip.crawler.model.columns import Crawlers, Share
 from stickslip.crawler.model.state import Body, coefficients_of, STUCK
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.steps.options import Taylor12
@@ -34,8 +35,8 @@ CONTROL = SOLVERS["taylor"].options(TOLERANCE)
 
 
 @compiled
-def in_lanes(bodies, coefficients, valves, skip, begin, end, hold, options, samples, workspace, statuses, elapsed):
-    advance_lanes(bodies, coefficients, valves, skip, begin, end, hold, options, samples, workspace, statuses, elapsed)
+def in_lanes(crawlers, some, hold, options, workspace):
+    advance_lanes(crawlers, some, hold, options, workspace)
 
 
 class Batch:
@@ -59,8 +60,8 @@ class Batch:
 
     def _advance(self, kernel: Callable[..., None], begin: int, end: int, workspace: NDArray[np.float64]) -> None:
         valves = self.valves[self.turn % SCHEDULES]
-        arrays = self.bodies, self.coefficients, valves, self.skip
-        kernel(*arrays, begin, end, HOLD, CONTROL, self.samples, workspace, *self.results)
+        crawlers = Crawlers(self.bodies, self.coefficients, valves, self.samples, *self.results)
+        kernel(crawlers, Share(begin, end, self.skip), HOLD, CONTROL, workspace)
 
     def one_by_one(self) -> None:
         """One hold of all, by the single crawler's functions."""

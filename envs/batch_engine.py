@@ -18,6 +18,7 @@ from ..crawler import Groups, Scene
 from ..crawler.batch.advance import lane_workspace
 from ..crawler.closed_form.parts import is_linear
 from ..crawler.cost import cheapest_of_each, PREDICTED
+from ..crawler.model.columns import Share
 from ..crawler.model.state import Body, SLIPS
 from ..crawler.refusals import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
@@ -25,7 +26,7 @@ from ..crawler.steps.options import MAX_STEPS
 from ..crawler.steps.propagator import table_shape, tabulate_each
 from ..crawler.steps.workspace import ROWS, WIDTH
 from ..reservoir.prequential_lanes import blank_readouts, forget, packed, Readouts, readouts_of, unpack
-from .batch_kernel import batch_of, draw_shares, Episode, STEP_BATCH
+from .batch_kernel import batch_of, draw_shares, Episode, step_batch
 from .calibration import calibrated_memory, calibration_valves
 from .infos import COUNTS, NUMBERS
 from .observation import valves_seen
@@ -47,7 +48,7 @@ class _Slice(NamedTuple):
 
     begin: int
     end: int
-    workspaces: dict[str, NDArray[np.float64]]  # by solver
+    workspaces: dict[str, NDArray[np.float64]]  # by solver; of the closed form the engine has tables
     scratch: NDArray[np.float64]
 
 
@@ -375,21 +376,19 @@ class BatchEngine:
                 return
             end = min(begin + self._crawlers_of_a_call, part.end)
             for k, (name, others, options) in enumerate(self._methods):
-                STEP_BATCH[type(options.method)](
-                    begin,
-                    end,
+                workspaces = part.workspaces.get(name, self._tables)
+                assert workspaces is not None
+                step_batch(
+                    Share(begin, end, idle if others is None else idle | others),
                     k == 0,
                     k == len(self._methods) - 1,
                     commands,
                     idle,
-                    idle if others is None else idle | others,
                     self.batch,
                     self._readouts,
                     self._episode,
-                    options.tolerance,
-                    options.order,
-                    options.max_steps,
-                    self._tables if name == "closed_form" else part.workspaces[name],
+                    options,
+                    workspaces,
                     part.scratch,
                     self.results,
                 )

@@ -1,18 +1,18 @@
 """One step of many crawlers: compiled, in structures of arrays, eight crawlers side by side."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compiling.compilation import compiled, merged
+from ..compiling.compilation import compiled
 from ..compiling.generators import next_uniform
 from ..compiling.vectors import aligned_zeros, LANES
 from ..crawler import Groups
-from ..crawler.batch.advance import advance_lanes, body_of, coefficients_at
+from ..crawler.batch.advance import advance_lanes
+from ..crawler.model.columns import body_of, coefficients_at, Crawlers, Share
 from ..crawler.model.state import Body, Coefficients, FOOT
-from ..crawler.steps.options import FINISHED, Method, METHODS, Options
+from ..crawler.steps.options import FINISHED, Options
 from ..reservoir.prequential_lanes import Readouts, score_lanes
 from ..reservoir.targets import aimed, LONGEST, Target
 from .infos import COUNTS, NUMBERS, write_counts, write_numbers
@@ -20,7 +20,7 @@ from .observation import observe, seen_at_rest
 from .reward import reward, surprise
 from .transition import Transition
 
-__all__ = ["STEP_BATCH", "Batch", "Episode", "Results", "batch_of", "draw_shares"]
+__all__ = ["Batch", "Episode", "Results", "batch_of", "draw_shares", "step_batch"]
 
 Array = NDArray[np.float64]
 
@@ -106,22 +106,17 @@ def draw_shares(sources: NDArray[np.uint64], who: NDArray[np.int64], shares: Arr
             shares[k, j] = next_uniform(sources[0, who[j]], sources[1, who[j]])
 
 
-@merged
-def _step_batch(
-    method: Method,
-    begin: int,
-    end: int,
+@compiled
+def step_batch(
+    some: Share,
     opens: bool,
     closes: bool,
     commands: NDArray[np.int64],
     idle: NDArray[np.bool_],
-    skipped: NDArray[np.bool_],
     batch: Batch,
     readouts: Readouts | None,
     episode: Episode,
-    tolerance: float,
-    order: int,
-    max_steps: int,
+    options: Options,
     workspaces: Array,
     scratch: Array,
     results: Results,
@@ -130,24 +125,20 @@ def _step_batch(
 
     Parameters
     ----------
-    method : Method
-        Of the crawlers that are not `skipped`.
-    begin, end : int
-        The slice, which begins a block of LANES.
+    some : Share
+        Of the slice, which begins a block of LANES, the crawlers that the method of the options moves: skipped are the
+        idle ones, and those of other methods.
     opens, closes : bool
         Whether this is the first, and the last, of the methods that the slice needs.
     commands : (n,) array
         0 or 1.
     idle : (n,) array
         Crawlers that sit the step out, whose results are those of a reset.
-    skipped : (n,) array
-        Crawlers that this method does not move: the idle ones, and those of other methods.
     batch : Batch
     readouts : Readouts or None
         None where the dither is 0: there is no message, and nothing to score.
     episode : Episode
-    tolerance, order, max_steps
-        As in `Options`.
+    options : Options
     workspaces : array
         As `advance_lanes` wants them.
     scratch : (2, features + 1, LANES) array
@@ -156,7 +147,7 @@ def _step_batch(
     """
     hold, dither, target = episode.hold, episode.dither, episode.target
     if opens:
-        for i in range(begin, end):
+        for i in range(some.begin, some.end):
             batch.scores[i] = 0.0
             results.statuses[i] = FINISHED
             if idle[i]:
@@ -171,28 +162,19 @@ def _step_batch(
             if len(batch.recent) > 0:
                 message = aimed(target.kind, target.order, target.mean, batch.recent[i], message)
             batch.scores[i] = message
-    options = Options(tolerance, order, max_steps, False, False, False, method)
-    advance_lanes(
-        batch.bodies,
-        batch.coefficients,
-        batch.valves,
-        skipped,
-        begin,
-        end,
-        hold,
-        options,
-        batch.samples,
-        workspaces,
-        results.statuses,
-        results.elapsed,
+    # What is not kept is known when this is compiled.
+    bare = Options(options.tolerance, options.order, options.max_steps, False, False, False, options.method)
+    crawlers = Crawlers(
+        batch.bodies, batch.coefficients, batch.valves, batch.samples, results.statuses, results.elapsed
     )
+    advance_lanes(crawlers, some, hold, bare, workspaces)
     if not closes:
         return
     width = batch.bodies.shape[1]
     if readouts is not None:
-        for block in range(begin // LANES, (end + LANES - 1) // LANES):
+        for block in range(some.begin // LANES, (some.end + LANES - 1) // LANES):
             score_lanes(readouts, block, batch.samples, block * LANES, width, batch.scores, scratch)
-    for i in range(begin, end):
+    for i in range(some.begin, some.end):
         if idle[i]:
             results.observations[i] = 0.0
             results.rewards[i] = 0.0
@@ -219,50 +201,3 @@ def _step_batch(
         write_counts(results.counts[:, i], step)
         results.rewards[i] = reward(step)
         results.truncations[i] = batch.steps[i] >= episode.longest
-
-
-def _stepper(method: type[Method]) -> Callable[..., None]:
-    # A method cannot be an argument from Python: its type is what the kernel is compiled for.
-    @compiled
-    def step_batch(
-        begin: int,
-        end: int,
-        opens: bool,
-        closes: bool,
-        commands: NDArray[np.int64],
-        idle: NDArray[np.bool_],
-        skipped: NDArray[np.bool_],
-        batch: Batch,
-        readouts: Readouts | None,
-        episode: Episode,
-        tolerance: float,
-        order: int,
-        max_steps: int,
-        workspaces: Array,
-        scratch: Array,
-        results: Results,
-    ) -> None:
-        _step_batch(
-            method(),
-            begin,
-            end,
-            opens,
-            closes,
-            commands,
-            idle,
-            skipped,
-            batch,
-            readouts,
-            episode,
-            tolerance,
-            order,
-            max_steps,
-            workspaces,
-            scratch,
-            results,
-        )
-
-    return step_batch
-
-
-STEP_BATCH = {method: _stepper(method) for method in METHODS}

@@ -15,7 +15,7 @@ from ...compiling.compilation import allocating, compiled, OPTIONS
 from ...compiling.vectors import aligned_zeros, LANES
 from ..closed_form.affine_lanes import advance_anchored_lanes
 from ..loop import advance
-from ..model.columns import body_of, coefficients_at, write_body
+from ..model.columns import body_of, coefficients_at, Crawlers, Share, write_body
 from ..model.state import Body, NOTHING_YET
 from ..motion.sampling import moment_of
 from ..steps.options import ClosedForm, DIVERGED, FINISHED, Hold, is_taylor, method_of, Options, OUT_OF_STEPS, Recording
@@ -47,63 +47,29 @@ def lane_workspace() -> NDArray[np.float64]:
 
 
 def advance_lanes(
-    bodies: NDArray[np.float64],
-    columns: NDArray[np.float64],
-    valves: NDArray[np.int64],
-    skip: NDArray[np.bool_],
-    begin: int,
-    end: int,
-    hold: float,
-    options: Options,
-    samples: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    statuses: NDArray[np.int8],
-    elapsed: NDArray[np.float64],
+    crawlers: Crawlers, some: Share, hold: float, options: Options, workspace: NDArray[np.float64]
 ) -> None:
-    """Advance some of n crawlers by one hold each, in compiled code alone.
+    """Advance some crawlers by one hold each, in compiled code alone.
 
     Parameters
     ----------
-    bodies : (7, n) array
-        Fields of `Body` in order, a crawler a column; updated.
-    columns : (11, n) array
-        Fields of `Coefficients` in order.
-    valves : (n,) array
-        0 or 1.
-    skip : (n,) array of bool
-        Crawlers that are left as they are, though in the slice.
-    begin, end : int
-        Slice of crawlers to advance. Threads take disjoint ones.
+    crawlers : Crawlers
+        Updated.
+    some : Share
+        Those to advance. Threads take disjoint ones.
     hold : float
     options : Options
         Neither energies nor events are kept. Its step budget is each crawler's own.
-    samples : (3, V, n) array
-        Receives z, v, p at the times hold (j + 1) / V.
     workspace : array of three axes
         For Taylor series that of `lane_workspace`, one a thread; for the other methods the solver's own, one for each
         crawler or one for all.
-    statuses : (n,) array of int8
-        Receives FINISHED, DIVERGED or OUT_OF_STEPS.
-    elapsed : (n,) array
-        Receives the time into the hold that was reached.
     """
     raise NotImplementedError
 
 
 @overload(advance_lanes, jit_options=OPTIONS | {"_nrt": True})
 def _compiled_lanes(
-    bodies: NDArray[np.float64],
-    columns: NDArray[np.float64],
-    valves: NDArray[np.int64],
-    skip: NDArray[np.bool_],
-    begin: int,
-    end: int,
-    hold: float,
-    options: Options,
-    samples: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    statuses: NDArray[np.int8],
-    elapsed: NDArray[np.float64],
+    crawlers: Crawlers, some: Share, hold: float, options: Options, workspace: NDArray[np.float64]
 ) -> Any:
     if is_taylor(options):
         kernel: Any = _in_lanes
@@ -114,114 +80,64 @@ def _compiled_lanes(
 
 @allocating
 def _in_closed_form(
-    bodies: NDArray[np.float64],
-    columns: NDArray[np.float64],
-    valves: NDArray[np.int64],
-    skip: NDArray[np.bool_],
-    begin: int,
-    end: int,
-    hold: float,
-    options: Options,
-    samples: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    statuses: NDArray[np.int8],
-    elapsed: NDArray[np.float64],
+    crawlers: Crawlers, some: Share, hold: float, options: Options, workspace: NDArray[np.float64]
 ) -> None:
     alike = len(workspace) == 1
-    coefficients = coefficients_at(columns, begin)
+    coefficients = coefficients_at(crawlers.coefficients, some.begin)
     opened = np.empty(LANES)
-    first = begin
-    while first < end:
-        last = min(first + LANES, end)
-        if alike and coefficients.anchored and last == first + LANES and not skip[first:last].any():
+    first = some.begin
+    while first < some.end:
+        last = min(first + LANES, some.end)
+        if alike and coefficients.anchored and last == first + LANES and not some.skip[first:last].any():
             for lane in range(LANES):
-                opened[lane] = valves[first + lane]
-            advance_anchored_lanes(first, coefficients, bodies, opened, hold, samples, workspace[0], statuses, elapsed)
+                opened[lane] = crawlers.valves[first + lane]
+            advance_anchored_lanes(first, crawlers, coefficients, opened, hold, workspace[0])
         else:
-            one_by_one(
-                bodies,
-                columns,
-                valves,
-                skip,
-                first,
-                last,
-                hold,
-                options,
-                samples,
-                workspace,
-                statuses,
-                elapsed,
-            )
+            one_by_one(crawlers, Share(first, last, some.skip), hold, options, workspace)
         first = last
 
 
 @allocating
-def one_by_one(
-    bodies: NDArray[np.float64],
-    columns: NDArray[np.float64],
-    valves: NDArray[np.int64],
-    skip: NDArray[np.bool_],
-    begin: int,
-    end: int,
-    hold: float,
-    options: Options,
-    samples: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    statuses: NDArray[np.int8],
-    elapsed: NDArray[np.float64],
-) -> None:
+def one_by_one(crawlers: Crawlers, some: Share, hold: float, options: Options, workspace: NDArray[np.float64]) -> None:
     """`advance_lanes` by the single crawler's functions, whatever the method; `workspace` is then the solver's."""
-    count = samples.shape[1]
+    count = crawlers.samples.shape[1]
     own = np.empty((5, count))
-    for i in range(begin, end):
-        if skip[i]:
+    for i in range(some.begin, some.end):
+        if some.skip[i]:
             continue
         outcome = advance(
-            body_of(bodies, i),
+            body_of(crawlers.bodies, i),
             NOTHING_YET,
-            coefficients_at(columns, i),
-            Hold(float(valves[i]), hold, 0.0, hold, 0.0),
+            coefficients_at(crawlers.coefficients, i),
+            Hold(float(crawlers.valves[i]), hold, 0.0, hold, 0.0),
             options,
             Recording(own, own[:0]),  # no events are kept
             workspace[i if len(workspace) > 1 else 0],
         )
-        write_body(outcome.body, bodies, i)
+        write_body(outcome.body, crawlers.bodies, i)
         for j in range(count):
             for row in range(3):
-                samples[row, j, i] = own[row, j]
-        statuses[i] = outcome.status
-        elapsed[i] = outcome.elapsed
+                crawlers.samples[row, j, i] = own[row, j]
+        crawlers.statuses[i] = outcome.status
+        crawlers.elapsed[i] = outcome.elapsed
 
 
 @allocating
-def _in_lanes(
-    bodies: NDArray[np.float64],
-    columns: NDArray[np.float64],
-    valves: NDArray[np.int64],
-    skip: NDArray[np.bool_],
-    begin: int,
-    end: int,
-    hold: float,
-    options: Options,
-    samples: NDArray[np.float64],
-    workspace: NDArray[np.float64],
-    statuses: NDArray[np.int8],
-    elapsed: NDArray[np.float64],
-) -> None:
+def _in_lanes(crawlers: Crawlers, some: Share, hold: float, options: Options, workspace: NDArray[np.float64]) -> None:
     lanes = workspace
-    count = samples.shape[1]
+    count = crawlers.samples.shape[1]
     series = np.empty((ROWS, WIDTH))
     steps = np.zeros(LANES, np.int64)
-    queue = _next(begin, end, skip)
-    if queue == end:
+    queue = _next(some.begin, some)
+    if queue == some.end:
         return
     active = 0
     for lane in range(LANES):
         # Without enough crawlers the lanes left over idle on the first.
-        _load(queue if queue < end else begin, bodies, columns, valves, hold, lanes, lane)
-        if queue < end:
+        _load(queue if queue < some.end else some.begin, crawlers, hold, lanes, lane)
+        if queue < some.end:
             active |= 1 << lane
-            queue = _next(queue + 1, end, skip)
+            queue = _next(queue + 1, some)
 
     while active:
         calm, last, due, sure = step_lanes(options.method, (options.tolerance, float(count)), lanes)
@@ -242,7 +158,7 @@ def _in_lanes(
                     i = int(lanes[HOLD, CRAWLER, lane])
                     j = int(lanes[SAMPLING, DONE, lane]) - 1
                     for row in range(3):
-                        samples[row, j, i] = lanes[SAMPLE, row, lane]
+                        crawlers.samples[row, j, i] = lanes[SAMPLE, row, lane]
             due &= more
         for lane in range(LANES):
             steps[lane] += 1
@@ -251,35 +167,27 @@ def _in_lanes(
                 continue
             i = int(lanes[HOLD, CRAWLER, lane])
             for row in range(_BODY):
-                bodies[row, i] = lanes[STATE, row, lane]
-            elapsed[i] = lanes[STATE, ELAPSED, lane]
-            statuses[i] = FINISHED if (last >> lane) & 1 else DIVERGED if (lost >> lane) & 1 else OUT_OF_STEPS
-            if queue < end:
-                _load(queue, bodies, columns, valves, hold, lanes, lane)
+                crawlers.bodies[row, i] = lanes[STATE, row, lane]
+            crawlers.elapsed[i] = lanes[STATE, ELAPSED, lane]
+            crawlers.statuses[i] = FINISHED if (last >> lane) & 1 else DIVERGED if (lost >> lane) & 1 else OUT_OF_STEPS
+            if queue < some.end:
+                _load(queue, crawlers, hold, lanes, lane)
                 steps[lane] = 0
-                queue = _next(queue + 1, end, skip)
+                queue = _next(queue + 1, some)
             else:
                 active &= ~(1 << lane)
 
 
 @compiled
-def _next(i: int, end: int, skip: NDArray[np.bool_]) -> int:
-    """The first crawler from `i` on that is not left as it is; `end` if there is none."""
-    while i < end and skip[i]:
+def _next(i: int, some: Share) -> int:
+    """The first crawler from `i` on that is not left as it is; the end of the slice if there is none."""
+    while i < some.end and some.skip[i]:
         i += 1
     return i
 
 
 @compiled
-def _load(
-    i: int,
-    bodies: NDArray[np.float64],
-    columns: NDArray[np.float64],
-    valves: NDArray[np.int64],
-    hold: float,
-    lanes: NDArray[np.float64],
-    lane: int,
-) -> None:
-    load_crawler(i, bodies, columns, hold, lanes, lane)
+def _load(i: int, crawlers: Crawlers, hold: float, lanes: NDArray[np.float64], lane: int) -> None:
+    load_crawler(i, crawlers.bodies, crawlers.coefficients, hold, lanes, lane)
     lanes[HOLD, CRAWLER, lane] = i
-    turn_valve(float(valves[i]), 0.0, hold, lanes, lane)
+    turn_valve(float(crawlers.valves[i]), 0.0, hold, lanes, lane)

@@ -79,6 +79,17 @@ class Log(NamedTuple):
     crawlers: NDArray[np.int64]
 
 
+class _Traffic(NamedTuple):
+    """Who is to pass through the lanes, and who is in them."""
+
+    queue: NDArray[np.int64]
+    schedule: NDArray[np.float64]
+    runs: Runs
+    lanes: NDArray[np.float64]
+    control: NDArray[np.int64]
+    places: NDArray[np.int64]
+
+
 def blank_log(capacity: int) -> Log:
     """Room for so many events."""
     return Log(np.empty(capacity), np.empty(capacity, np.int8), np.empty(capacity, np.int64))
@@ -118,12 +129,13 @@ def go_on_in_lanes(
     """
     count = runs.samples.shape[2] // schedule.shape[1]
     control, places = state[0], state[1:]
+    traffic = _Traffic(queue, schedule, runs, lanes, control, places)
     control[LOGGED] = 0
     if control[QUEUED] == 0:
         for lane in range(LANES):
             # Without enough crawlers the lanes left over idle on the first.
             control[ACTIVE] |= (lane < len(queue)) << lane
-            _enter(lane if lane < len(queue) else 0, queue, schedule, runs, lanes, places, lane)
+            _enter(lane if lane < len(queue) else 0, traffic, lane)
         control[QUEUED] = min(LANES, len(queue))
     left = control[CALL]
     while control[ACTIVE] != 0 and left > 0 and control[LOGGED] + LANES <= len(log.times):
@@ -143,7 +155,7 @@ def go_on_in_lanes(
                 moment = moment_of(lanes[SAMPLING, DONE, lane], count, lanes[HOLD, SPAN, lane])
                 due |= (moment <= lanes[SAMPLING, REACHED, lane]) << lane
                 if lanes[STATE, MOTION, lane] != mode:
-                    _write_event(queue, runs, lanes, control, places, lane, log)
+                    _write_event(traffic, lane, log)
         sampled = 0
         while due:
             sampled += LANES
@@ -166,32 +178,23 @@ def go_on_in_lanes(
             if ((active & (last | lost | spent)) >> lane) & 1:
                 reached = (last >> lane) & 1 == 1
                 status = DIVERGED if (lost >> lane) & 1 else FINISHED
-                _go_on(reached, status, queue, schedule, runs, lanes, control, places, lane)
+                _go_on(reached, status, traffic, lane)
 
 
 @inlined
-def _go_on(
-    reached: bool,
-    status: int,
-    queue: NDArray[np.int64],
-    schedule: NDArray[np.float64],
-    runs: Runs,
-    lanes: NDArray[np.float64],
-    control: NDArray[np.int64],
-    places: NDArray[np.int64],
-    lane: int,
-) -> None:
+def _go_on(reached: bool, status: int, traffic: _Traffic, lane: int) -> None:
     """After a step: let the valve turn if its time is `reached`, and the next crawler enter if this one has ended."""
-    i = queue[places[PLACE, lane]]
+    runs, lanes, control, places = traffic.runs, traffic.lanes, traffic.control, traffic.places
+    i, duties = traffic.queue[places[PLACE, lane]], traffic.schedule[places[PLACE, lane]]
     spent = places[STEPS, lane] >= places[BUDGET, lane]
     stretch = places[STRETCH, lane]
     if reached:
-        stretch = _next_stretch(stretch + 1, schedule[places[PLACE, lane]], runs.holds[i])
-        if stretch < 2 * schedule.shape[1]:
+        stretch = _next_stretch(stretch + 1, duties, runs.holds[i])
+        if stretch < 2 * len(duties):
             if stretch // 2 > places[STRETCH, lane] // 2:
                 lanes[SAMPLING, DONE, lane] = 0.0
             places[STRETCH, lane] = stretch
-            part = stretch_at(stretch, schedule[places[PLACE, lane]], runs.holds[i])
+            part = stretch_at(stretch, duties, runs.holds[i])
             turn_valve(part.valve, part.begin, part.end, lanes, lane)
             reached = False
     if not reached and status == FINISHED:
@@ -207,31 +210,24 @@ def _go_on(
     runs.finished[i] = stretch // 2
     runs.steps[i] = places[STEPS, lane]
     if control[QUEUED] < control[ADMITTED]:
-        _enter(control[QUEUED], queue, schedule, runs, lanes, places, lane)
+        _enter(control[QUEUED], traffic, lane)
         control[QUEUED] += 1
     else:
         control[ACTIVE] &= ~(1 << lane)
 
 
 @compiled
-def _enter(
-    place: int,
-    queue: NDArray[np.int64],
-    schedule: NDArray[np.float64],
-    runs: Runs,
-    lanes: NDArray[np.float64],
-    places: NDArray[np.int64],
-    lane: int,
-) -> None:
+def _enter(place: int, traffic: _Traffic, lane: int) -> None:
     """Let a crawler of the queue enter a lane."""
-    i = queue[place]
+    runs, lanes, places = traffic.runs, traffic.lanes, traffic.places
+    i, duties = traffic.queue[place], traffic.schedule[place]
     load_crawler(i, runs.bodies, runs.coefficients, runs.holds[i], lanes, lane)
     for row in range(_LEDGER):
         lanes[LEDGER, row, lane] = 0.0
-    stretch = _next_stretch(0, schedule[place], runs.holds[i])
+    stretch = _next_stretch(0, duties, runs.holds[i])
     places[PLACE, lane], places[STRETCH, lane] = place, stretch
     places[STEPS, lane], places[BUDGET, lane] = 0, runs.budgets[i]
-    part = stretch_at(stretch, schedule[place], runs.holds[i])
+    part = stretch_at(stretch, duties, runs.holds[i])
     turn_valve(part.valve, part.begin, part.end, lanes, lane)
 
 
@@ -246,16 +242,9 @@ def _next_stretch(stretch: int, schedule: NDArray[np.float64], hold: float) -> i
 
 
 @compiled
-def _write_event(
-    queue: NDArray[np.int64],
-    runs: Runs,
-    lanes: NDArray[np.float64],
-    control: NDArray[np.int64],
-    places: NDArray[np.int64],
-    lane: int,
-    log: Log,
-) -> None:
-    i, k = queue[places[PLACE, lane]], control[LOGGED]
+def _write_event(traffic: _Traffic, lane: int, log: Log) -> None:
+    runs, lanes, control, places = traffic.runs, traffic.lanes, traffic.control, traffic.places
+    i, k = traffic.queue[places[PLACE, lane]], control[LOGGED]
     log.times[k] = places[STRETCH, lane] // 2 * lanes[HOLD, SPAN, lane] + lanes[STATE, ELAPSED, lane]
     log.modes[k] = int(lanes[STATE, MOTION, lane])
     log.crawlers[k] = i

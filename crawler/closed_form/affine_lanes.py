@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled
 from ...compiling.vectors import broadcast, flush_to_zero, load, store
+from ..model.columns import Crawlers
 from ..model.equations import acceleration_at_no_force
 from ..model.state import Coefficients, STUCK
 from ..motion.sampling import FARTHEST
@@ -18,30 +19,28 @@ __all__ = ["advance_anchored_lanes"]
 @compiled
 def advance_anchored_lanes(
     first: int,
+    crawlers: Crawlers,
     coefficients: Coefficients,
-    bodies: NDArray[np.float64],
     valves: NDArray[np.float64],
     hold: float,
-    samples: NDArray[np.float64],
     table: NDArray[np.float64],
-    statuses: NDArray[np.int8],
-    elapsed: NDArray[np.float64],
 ) -> None:
     """Advance the crawlers in columns `first` to `first + 7` by one hold, as `advance` does.
 
     Parameters
     ----------
     first : int
+    crawlers : Crawlers
+        Updated; its arrays are C-contiguous.
     coefficients : Coefficients
         Of them all.
-    bodies, samples, statuses, elapsed
-        As for `advance_lanes`, all C-contiguous.
     valves : (LANES,) array
         Of these crawlers, 0 or 1.
     hold : float
     table : (2 samples, ENTRIES) array
         From `tabulate`, for all of them.
     """
+    bodies, samples = crawlers.bodies, crawlers.samples
     width = bodies.shape[1]
     rates = rates_of(coefficients, STUCK)
     valve = load(valves, 0)
@@ -64,5 +63,5 @@ def advance_anchored_lanes(
             store(bodies, 2 * width + first, pressure)
     for i in range(first, first + len(valves)):
         near = abs(bodies[0, i]) + abs(bodies[1, i]) < FARTHEST
-        statuses[i] = FINISHED if near else DIVERGED
-        elapsed[i] = hold if near else 0.0
+        crawlers.statuses[i] = FINISHED if near else DIVERGED
+        crawlers.elapsed[i] = hold if near else 0.0

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import chain, repeat
 from operator import attrgetter, is_
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
@@ -17,6 +17,8 @@ from .state import Body, Coefficients, coefficients_of
 from .tube import as_crawler, is_chain
 
 __all__ = [
+    "Crawlers",
+    "Share",
     "body_of",
     "chains_of_each",
     "coefficients_at",
@@ -30,6 +32,26 @@ __all__ = [
     "units_of",
     "write_body",
 ]
+
+
+class Crawlers(NamedTuple):
+    """n crawlers on their way through a hold, and what is written down of it."""
+
+    bodies: NDArray[np.float64]  # (7, n): the fields of `Body`, updated
+    coefficients: NDArray[np.float64]  # (11, n): the fields of `Coefficients`
+    valves: NDArray[np.int64]  # (n,): 0 or 1
+    samples: NDArray[np.float64]  # (3, V, n): z, v, p at the times hold (j + 1) / V
+    statuses: NDArray[np.int8]  # (n,): FINISHED, DIVERGED or OUT_OF_STEPS
+    elapsed: NDArray[np.float64]  # (n,): time into the hold that was reached
+
+
+class Share(NamedTuple):
+    """Some of n crawlers: those of a slice that are not skipped."""
+
+    begin: int
+    end: int
+    skip: NDArray[np.bool_]  # (n,)
+
 
 _as_tuple: Any = to_fixed_tuple  # whose types numba does not tell
 _FIELDS = len(Coefficients._fields)

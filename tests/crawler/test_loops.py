@@ -21,7 +21,7 @@ BOUNDS = {
         "begin > 0.0 and done < count and (moment_of(done, count, hold) <= begin)",
     ): "samples of a hold",
     ("crawler/closed_form/search.py", "first_fall", "spent < budget"): "max_steps less what is spent",
-    ("crawler/batch/advance.py", "_in_closed_form", "first < end"): "crawlers of the batch",
+    ("crawler/batch/advance.py", "_in_closed_form", "first < some.end"): "crawlers of the batch",
     ("crawler/batch/advance.py", "_in_lanes", "active"): "max_steps for each crawler of the batch",
     ("crawler/batch/advance.py", "_in_lanes", "due"): "samples of a hold",
     (
@@ -30,7 +30,7 @@ BOUNDS = {
         "control[ACTIVE] != 0 and left > 0 and (control[LOGGED] + LANES <= len(log.times))",
     ): "steps of a call",
     ("crawler/batch/lane_runs.py", "go_on_in_lanes", "due"): "samples of a hold",
-    ("crawler/batch/advance.py", "_next", "i < end and skip[i]"): "crawlers of the batch",
+    ("crawler/batch/advance.py", "_next", "i < some.end and some.skip[i]"): "crawlers of the batch",
 }
 FILES = sorted(path for folder in PACKAGE for path in (ROOT / folder).rglob("*.py"))
 

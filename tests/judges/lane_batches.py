@@ -5,6 +5,7 @@ import numpy as np
 from stickslip.compiling.compilation import compiled
 from stickslip.crawler.batch.advance import advance_lanes, lane_workspace
 from stickslip.crawler.loop import advance
+from stickslip.crawler.model.columns import Crawlers, Share
 from stickslip.crawler.model.state import Body, coefficients_of, NOTHING_YET
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.steps.options import Hold, MAX_STEPS, Recording
@@ -14,8 +15,8 @@ UNTOUCHED = -9.0
 
 
 @compiled
-def in_lanes(bodies, coefficients, valves, skip, begin, end, hold, options, samples, workspace, statuses, elapsed):
-    advance_lanes(bodies, coefficients, valves, skip, begin, end, hold, options, samples, workspace, statuses, elapsed)
+def in_lanes(crawlers, some, hold, options, workspace):
+    advance_lanes(crawlers, some, hold, options, workspace)
 
 
 @compiled
@@ -43,20 +44,7 @@ class Batch:
         end = len(self.members) if end is None else end
         before = [array.copy() for array in self.arrays]
         valves = np.asarray(valves, np.int8)
-        in_lanes(
-            self.bodies,
-            self.coefficients,
-            valves,
-            self.skip,
-            begin,
-            end,
-            hold,
-            options,
-            self.samples,
-            self.workspace,
-            self.statuses,
-            self.elapsed,
-        )
+        in_lanes(self.crawlers(valves), Share(begin, end, self.skip), hold, options, self.workspace)
         for i, coefficients in enumerate(self.members):
             bodies, samples, statuses, elapsed = (array[..., i].copy() for array in before)
             if begin <= i < end and not self.skip[i]:
@@ -70,6 +58,10 @@ class Batch:
             np.testing.assert_array_equal(self.samples[..., i], samples, err_msg=f"crawler {i}")
             assert self.statuses[i] == statuses
             assert self.elapsed[i] == elapsed
+
+    def crawlers(self, valves):
+        """They as the kernels take them."""
+        return Crawlers(self.bodies, self.coefficients, valves, self.samples, self.statuses, self.elapsed)
 
     @property
     def arrays(self):

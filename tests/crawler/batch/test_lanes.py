@@ -9,6 +9,7 @@ from lane_batches import alone, Batch, in_lanes, SAMPLES, taylor
 
 from stickslip.compiling.vectors import LANES
 from stickslip.crawler import Groups, Scene
+from stickslip.crawler.model.columns import Share
 from stickslip.crawler.model.state import Body
 from stickslip.crawler.solvers import SOLVERS
 from stickslip.crawler.steps.options import DIVERGED, FINISHED, OUT_OF_STEPS, TAYLOR
@@ -145,20 +146,8 @@ def test_radau_and_the_closed_form_take_the_same_call():
         batch.workspace = solver.workspace(batch.members[0], 0.5, SAMPLES)
         single = np.zeros(7)
         for valve in (1, 1, 0):
-            in_lanes(
-                batch.bodies,
-                batch.coefficients,
-                np.full(3, valve, np.int8),
-                batch.skip,
-                0,
-                2,
-                0.5,
-                options,
-                batch.samples,
-                batch.workspace[None],
-                batch.statuses,
-                batch.elapsed,
-            )
+            crawlers, some = batch.crawlers(np.full(3, valve, np.int8)), Share(0, 2, batch.skip)
+            in_lanes(crawlers, some, 0.5, options, batch.workspace[None])
             own = np.empty((5, SAMPLES))
             start = Body(*single[:5].tolist(), int(single[5]), int(single[6]))
             outcome = alone(start, batch.members[0], float(valve), 0.5, options, own, batch.workspace)
