@@ -18,7 +18,6 @@ from ..crawler import Groups, Scene
 from ..crawler.batch.advance import lane_workspace
 from ..crawler.closed_form.parts import is_linear
 from ..crawler.cost import cheapest_of_each, PREDICTED
-from ..crawler.model.columns import Share
 from ..crawler.model.state import Body, SLIPS
 from ..crawler.refusals import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
@@ -26,7 +25,7 @@ from ..crawler.steps.options import MAX_STEPS
 from ..crawler.steps.propagator import table_shape, tabulate_each
 from ..crawler.steps.workspace import ROWS, WIDTH
 from ..reservoir.prequential_lanes import blank_readouts, forget, packed, Readouts, readouts_of, unpack
-from .batch_kernel import batch_of, draw_shares, Episode, step_batch
+from .batch_kernel import batch_of, draw_shares, Episode, STEP_BATCH
 from .calibration import calibrated_memory, calibration_valves
 from .infos import COUNTS, NUMBERS
 from .observation import valves_seen
@@ -48,7 +47,7 @@ class _Slice(NamedTuple):
 
     begin: int
     end: int
-    workspaces: dict[str, NDArray[np.float64]]  # by solver; of the closed form the engine has tables
+    workspaces: dict[str, NDArray[np.float64]]  # by solver
     scratch: NDArray[np.float64]
 
 
@@ -95,7 +94,7 @@ class BatchEngine:
         self._tables: NDArray[np.float64] | None = None
         self._readouts: Readouts | None = None
 
-        blocks = self.batch.bodies.shape[1] // LANES
+        blocks = -(-count // LANES)
         maps = settings.scene.anchored and all(is_linear(kind.groups) for kind in kinds) and settings.dither == 0.0
         parts = max(1, min(threads, count // (_LEAST_OF_MAPS if maps else _LEAST_A_THREAD)))
         ends = [min(count, LANES * (blocks * part // parts)) for part in range(parts + 1)]
@@ -161,14 +160,14 @@ class BatchEngine:
         self.batch.bodies[:, : len(mask)][:, mask] = 0.0
         self._read()[:, : len(mask)][:, mask] = 0.0
         self.batch.steps[mask] = 0
-        self.batch.histories[mask] = 0
         self.results.observations[mask] = 0.0
         self.results.numbers[: len(NUMBERS), mask] = 0.0
         self.results.counts[:, mask] = 0
         if self._readouts is not None:
             forget(self._readouts, mask)
-        if len(self.batch.recent):
-            self.batch.recent[mask] = 0.0
+        for past in (self.batch.histories, self.batch.recent):
+            if len(past):
+                past[mask] = 0
 
     def step(self, commands: NDArray[np.int64], idle: NDArray[np.bool_]) -> None:
         """Step all but the idle, and write down the results.
@@ -337,7 +336,8 @@ class BatchEngine:
             self.batch.bodies[:, indices] = state.body[:, np.newaxis]
             self.batch.steps[indices] = state.steps
             self.results.observations[indices] = state.observation
-            self.batch.histories[indices] = valves_seen(state.observation)
+            if len(self.batch.histories):
+                self.batch.histories[indices] = valves_seen(state.observation)
             self.results.numbers[: len(NUMBERS), indices] = state.told[: len(NUMBERS), np.newaxis]
             self.results.counts[:, indices] = state.told[len(NUMBERS) :, np.newaxis]
             self._read()[:, indices] = state.read[:, np.newaxis]
@@ -376,19 +376,21 @@ class BatchEngine:
                 return
             end = min(begin + self._crawlers_of_a_call, part.end)
             for k, (name, others, options) in enumerate(self._methods):
-                workspaces = part.workspaces.get(name, self._tables)
-                assert workspaces is not None
-                step_batch(
-                    Share(begin, end, idle if others is None else idle | others),
+                STEP_BATCH[type(options.method)](
+                    begin,
+                    end,
                     k == 0,
                     k == len(self._methods) - 1,
                     commands,
                     idle,
+                    idle if others is None else idle | others,
                     self.batch,
                     self._readouts,
                     self._episode,
-                    options,
-                    workspaces,
+                    options.tolerance,
+                    options.order,
+                    options.max_steps,
+                    self._tables if name == "closed_form" else part.workspaces[name],
                     part.scratch,
                     self.results,
                 )

@@ -21,6 +21,7 @@ __all__ = [
     "place_of",
     "table_of_infos",
     "write_counts",
+    "write_early_numbers",
     "write_numbers",
     "write_told",
 ]
@@ -33,6 +34,9 @@ class Info(NamedTuple):
     kind: type[float] | type[int]
     formula: Formula
     description: str
+    # Whether a batch writes it as soon as the valve has turned: of an affine map a hold, one column more at the hold's
+    # end costs a tenth.
+    early: bool = False
 
 
 @formula
@@ -54,7 +58,7 @@ _TABLE = (
     Info("speed", float, speed, "of the foot, its mean over the hold, z_c / t_c"),
     Info("memory", float, memory, "what the readout earned"),
     Info("distance", float, _distance, "of the foot from its start, z_c"),
-    Info("innovation", float, innovation, "e_k"),
+    Info("innovation", float, innovation, "e_k", early=True),
     Info("valve", int, _valve, "u_k, after the flip"),
     Info("slips", int, _slips, "so far in the episode"),
 )
@@ -70,10 +74,19 @@ NUMBERS, COUNTS = (tuple(info.name for info in _INFOS if info.kind is kind) for 
 TOLD = (*NUMBERS, *COUNTS)
 """Both, in the order of what `write_told` writes."""
 
-write_numbers, write_counts, write_told = (
-    writer([info.formula for info in _INFOS if info.kind in kinds]) for kinds in ((float,), (int,), (float, int))
-)
+write_told = writer({place: info.formula for place, info in enumerate(_INFOS)})
 """Write what is told of a transition into an array, in compiled code."""
+
+
+_FLOATS, _COUNTED = ([info for info in _INFOS if info.kind is kind] for kind in (float, int))
+write_early_numbers, write_numbers = (
+    writer({place: info.formula for place, info in enumerate(_FLOATS) if info.early == early})
+    for early in (True, False)
+)
+"""Write those of `NUMBERS` that are early, and the others, each in its place."""
+
+write_counts = writer({place: info.formula for place, info in enumerate(_COUNTED)})
+"""Write `COUNTS`."""
 
 
 def place_of(name: str) -> int:

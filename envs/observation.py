@@ -59,7 +59,7 @@ OBSERVATION = (
 VALVES = Component("valve", _valve, from_shut_to_open)
 """What follows, for each of the last valve states, newest first; its formula takes the age too, 0 of the newest."""
 
-_write_body = writer([each.formula for each in OBSERVATION])
+_write_body = writer({place: each.formula for place, each in enumerate(OBSERVATION)})
 _FIRST_VALVE = len(OBSERVATION)
 
 
@@ -67,7 +67,8 @@ _FIRST_VALVE = len(OBSERVATION)
 def observe(target: NDArray[np.float32], step: Transition) -> None:
     """Write the observation of a transition into an array, in compiled code."""
     _write_body(target, step)
-    for age in range(len(target) - _FIRST_VALVE):
+    target[_FIRST_VALVE] = _valve(step, 0)  # apart, since most often it is the only one
+    for age in range(1, len(target) - _FIRST_VALVE):
         target[_FIRST_VALVE + age] = _valve(step, age)
 
 

@@ -1,6 +1,6 @@
 """One step of one crawler, as the formulas of observation, reward and infos see it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
@@ -30,13 +30,13 @@ Formula = Callable[[Transition], Any]
 """A number told of a transition, in arithmetic that can be compiled: see `stickslip.compiling.compilation.formula`."""
 
 
-def writer(formulas: Sequence[Formula]) -> Callable[[NDArray[Any], Transition], None]:
-    """Make a function that writes what formulas give into an array, in their order, for use in compiled code.
+def writer(formulas: Mapping[int, Formula]) -> Callable[[NDArray[Any], Transition], None]:
+    """Make a function that writes what formulas give into an array, each at its place, for use in compiled code.
 
     Compiled code cannot go through a list of functions. So each is bound to its place, and to the one before.
     """
     write: Callable[[NDArray[Any], Transition], None] = _nothing
-    for place, expression in enumerate(formulas):
+    for place, expression in formulas.items():
         write = _then(write, place, expression)
     return write
 

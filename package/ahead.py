@@ -11,7 +11,7 @@ from .compiling.compilation import Kernel
 from .crawler import Groups, Scene, simulate
 from .crawler.solvers import SOLVERS
 from .envs import StickSlipCrawlerEnv
-from .envs.batch_kernel import step_batch
+from .envs.batch_kernel import STEP_BATCH
 from .reservoir import EchoStateNetwork, RecursiveLeastSquares, target_series
 from .reservoir.prequential import PrequentialMemory
 from .tasks import lorenz
@@ -30,7 +30,7 @@ def where_kept() -> str:
     OSError
         If they would be kept nowhere.
     """
-    kernel = cast(Kernel, step_batch)
+    kernel = cast(Kernel, next(iter(STEP_BATCH.values())))
     if kernel.unkept:
         raise OSError(f"kernels are compiled {kernel.unkept}")
     return str(kernel.stats.cache_path)
