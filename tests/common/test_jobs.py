@@ -118,7 +118,11 @@ def test_a_cluster_is_left_as_it_was_found():
 @pytest.fixture
 def cluster():
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    import dask
+
+    # A worker that was killed begins anew, on a busy machine in minutes: after 15 s the cluster would do without it.
+    patient = dask.config.set({"distributed.deploy.lost-worker-timeout": "10 minutes"})
+    with patient, distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         yield cluster
 
 
