@@ -21,7 +21,7 @@ from .runs import run_chain, run_crawler
 from .solvers import choose_for_each, NAMES, SOLVERS
 from .steps.options import FINISHED, MAX_STEPS, STEPS_A_HOLD
 
-__all__ = ["UNFINISHED", "Batch", "Driven", "drive_batch"]
+__all__ = ["UNFINISHED", "Batch", "Driven", "drive_batch", "most_steps"]
 
 # A run that was left out since one before it has failed.
 UNFINISHED = -1
@@ -125,10 +125,15 @@ def drive_batch(
     return Driven(runs, parts, Store(growth, size), conditions, solvers, logs)
 
 
+def most_steps(holds: int, segments: int) -> int:
+    """Steps that a body may take in all, where nobody says how many."""
+    return (MAX_STEPS + STEPS_A_HOLD * holds) // max(1, segments // _SEGMENTS_A_STEP)
+
+
 def _runs(batch: Batch, body: Body, samples_per_hold: int, max_steps: int | None) -> Runs:
     count, holds = batch.schedule.shape
     if max_steps is None:
-        max_steps = (MAX_STEPS + STEPS_A_HOLD * holds) // max(1, batch.scenes[0].segments // _SEGMENTS_A_STEP)
+        max_steps = most_steps(holds, batch.scenes[0].segments)
     bodies = np.empty((len(body), count))
     bodies.T[:] = body
     try:

@@ -16,13 +16,14 @@ from .model.state import Body, Coefficients, NOTHING_YET
 from .motion.balance import Store, store_between, stored_by_chain, stored_by_crawler
 from .motion.sampling import BODY_ROWS
 from .solvers import Solver
+from .stability.chain_growth import start_chain_growth
 from .stability.lyapunov import GROWTH_ROWS, start_growth
 from .stability.tangent import condition_of, start_changes
 from .steps.chain_series import chain_coefficients, chain_order, chain_workspace, ChainWorkspace
 from .steps.options import AFRESH, FINISHED, LOG_FULL, Options, Outcome, TaylorChain
 from .steps.workspace import CHANGES
 
-__all__ = ["run_chain", "run_crawler", "run_growth"]
+__all__ = ["run_chain", "run_chain_growth", "run_crawler", "run_growth"]
 
 
 def run_crawler(
@@ -104,34 +105,65 @@ def run_growth(
     outcome : Outcome
     finished : int
         Holds completed.
-    samples : (5 + GROWTH_ROWS, holds) array
-        At the end of each hold z, v, p, x, w and the rows of `note_growth`; those of the washout are counted apart.
+    growth : (GROWTH_ROWS, holds - washout) array
+        Of `note_growth`, at the end of each hold after the washout.
     """
     start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
     workspace = solver.workspace(coefficients, hold / unit, 1)
     workspace[-CHANGES:] = 0.0
-    samples = np.zeros((BODY_ROWS + GROWTH_ROWS, len(schedule)))
-    unlogged = np.empty((0, 2))
-    outcome, done = Outcome(FINISHED, 0.0, 0, 0, start, NOTHING_YET, AFRESH), 0
-    for part in (slice(0, washout), slice(washout, None)):
-        if outcome.status != FINISHED or not len(schedule[part]):
-            continue
+
+    def begin() -> None:
         start_growth(coefficients, workspace)
-        rows, left = np.empty((len(samples), len(schedule[part]))), options.max_steps - outcome.steps
-        following, finished = drive(
-            outcome.body,
-            coefficients,
-            schedule[part],
-            hold / unit,
-            options._replace(max_steps=left),
-            rows,
-            unlogged,
-            workspace,
-        )
-        samples[:, part] = rows
-        outcome, done = following._replace(steps=following.steps + outcome.steps), done + finished
-    samples[[1, 4]] /= unit
-    return outcome._replace(elapsed=outcome.elapsed * unit), done, samples
+
+    outcome, finished, growth = _grow(
+        start, coefficients, schedule, washout, hold / unit, options, BODY_ROWS, workspace, begin
+    )
+    return outcome._replace(elapsed=outcome.elapsed * unit), finished, growth
+
+
+def run_chain_growth(
+    body: Body,
+    stretches: NDArray[np.float64],
+    groups: Groups,
+    scene: Scene,
+    schedule: NDArray[np.float64],
+    washout: int,
+    hold: float,
+    options: Options,
+) -> tuple[Outcome, int, NDArray[np.float64]]:
+    """Advance one chain through its schedule, and small changes of it along; as `run_chain` and `run_growth`."""
+    options = options._replace(order=chain_order(options.order), method=TaylorChain())
+    workspace = chain_workspace(groups, scene, stretches)
+
+    def begin() -> None:
+        start_chain_growth(workspace)
+
+    rows = BODY_ROWS + 2 * scene.segments
+    return _grow(body, chain_coefficients(groups, scene), schedule, washout, hold, options, rows, workspace, begin)
+
+
+def _grow(
+    body: Body,
+    coefficients: Coefficients,
+    schedule: NDArray[np.float64],
+    washout: int,
+    hold: float,
+    options: Options,
+    body_rows: int,
+    workspace: Any,
+    begin: Callable[[], None],
+) -> tuple[Outcome, int, NDArray[np.float64]]:
+    """Drive a body twice, through the washout and then through the rest, and `begin` with its changes before each."""
+    outcome, finished, growth = Outcome(FINISHED, 0.0, 0, 0, body, NOTHING_YET, AFRESH), 0, np.empty((GROWTH_ROWS, 0))
+    for part in (schedule[:washout], schedule[washout:]):
+        if outcome.status == FINISHED and len(part):
+            begin()
+            samples = np.empty((body_rows + GROWTH_ROWS, len(part)))
+            left = options._replace(max_steps=options.max_steps - outcome.steps)
+            following, done = drive(outcome.body, coefficients, part, hold, left, samples, np.empty((0, 2)), workspace)
+            outcome, finished = following._replace(steps=following.steps + outcome.steps), finished + done
+            growth = samples[body_rows:]
+    return outcome, finished, growth
 
 
 def run_chain(

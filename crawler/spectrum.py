@@ -14,16 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.sharing import processors, share
 from ..common.validation import number_within, whole_number
 from .arguments import batch_of, schedule_of, start_of, TOLERANCES
-from .batch_simulation import Batch
+from .batch_simulation import Batch, most_steps
 from .model.columns import coefficients_of_each, coefficients_of_one, different, units_of
 from .model.groups import Groups, GroupsLike
 from .model.scene import Scene
-from .model.state import Body, REST, State, STUCK
-from .motion.sampling import BODY_ROWS
+from .model.state import Body, ChainState, REST, State, STUCK
 from .refusals import solver_error, SolverError
-from .runs import run_growth
+from .runs import run_chain_growth, run_growth
 from .solvers import AUTO, choose_for_each, NAMES, SOLVERS
-from .steps.options import FINISHED, MAX_STEPS, STEPS_A_HOLD
+from .steps.options import FINISHED
 
 __all__ = ["LyapunovSpectrum", "lyapunov_spectrum"]
 
@@ -44,7 +43,8 @@ class LyapunovSpectrum:
     ----------
     exponents : (2,) or (rows, 2) array
         Mean rates, per natural time and in falling order, at which the logarithms of small changes of deformation and
-        velocity grow while the input stays the same. The second is the growth of areas less the first.
+        velocity grow while the input stays the same. The second is the growth of areas less the first. Of a chain of
+        segments they are the first two of the exponents of all their stretches and rates.
     standard_error : (2,) or (rows, 2) array
         Of the exponents, by batch means: from the spread of `blocks`.
     lag_exponent : float or (rows,) array
@@ -58,7 +58,8 @@ class LyapunovSpectrum:
         out.
     divergence : float or (rows,) array
         Mean divergence of the smooth motion, -2 Pi2 / (1 - r) while the foot sticks and -2 Pi2 / (r (1 - r)) while it
-        slides. What the sum of the exponents is beyond, is of the events; anchored the two are equal.
+        slides; of a chain that of all its stretches and rates. What the sum of the exponents is beyond, is of the
+        events; of an anchored crawler the two are equal.
     blocks : (blocks, 2) or (rows, blocks, 2) array
         The exponents of each block, in no order: at least 20, equally long parts of the inputs.
     time : float or (rows,) array
@@ -110,7 +111,7 @@ def lyapunov_spectrum(
     scene: Scene | Mapping[str, Any] | Sequence[Scene | Mapping[str, Any] | None] | None = None,
     tolerance: float = 1e-9,
     solver: str = "auto",
-    initial: State | None = None,
+    initial: State | ChainState | None = None,
     washout: int = 200,
     max_steps: int | None = None,
     threads: int | None = None,
@@ -133,7 +134,7 @@ def lyapunov_spectrum(
         As for `simulate`.
     tolerance : float, in [1e-15, 1e-2]
     solver : {"auto", "closed_form", "taylor", "radau"}
-    initial : State, optional
+    initial : State or ChainState, optional
         At rest by default; the same for all.
     washout : int, >= 0
         Holds of each input, at its start, that are not measured; 2 at least must be left. In them the body comes to its
@@ -150,8 +151,7 @@ def lyapunov_spectrum(
     Raises
     ------
     ValueError, TypeError
-        If an argument is out of its range or of the wrong type, or the body is a chain of heavy segments; the message
-        names it.
+        If an argument is out of its range or of the wrong type; the message names it.
     SolverError
         As `simulate`; the message names the row, and the input where there are several.
     """
@@ -163,12 +163,12 @@ def lyapunov_spectrum(
     if holds < 2:
         raise ValueError(f"valve must have at least 2 holds, got {holds}")
     washout = whole_number("washout", washout, 0, holds - 2)
-    if batch.chains.any():
-        raise ValueError("scene must be no chain of heavy segments: take segments=1 or tube_mass=0")
     for each in different(batch.scenes):
-        body, _ = start_of(REST if initial is None else initial, each)
-    budget = MAX_STEPS + STEPS_A_HOLD * holds if max_steps is None else whole_number("max_steps", max_steps, 1)
-    runs = _Runs(batch, inputs, body, washout, tolerance, solver, budget)
+        start = start_of(REST if initial is None else initial, each)
+    budget = most_steps(holds, batch.scenes[0].segments)
+    if max_steps is not None:
+        budget = whole_number("max_steps", max_steps, 1)
+    runs = _Runs(batch, inputs, start, washout, tolerance, solver, budget)
     count = inputs.shape[1]
     each_way = share(
         runs.blocks_of,
@@ -212,9 +212,16 @@ class _Runs:
     """All runs, each of a row and an input."""
 
     def __init__(
-        self, batch: Batch, inputs: NDArray[Any], body: Body, washout: int, tolerance: float, solver: str, budget: int
+        self,
+        batch: Batch,
+        inputs: NDArray[Any],
+        start: tuple[Body, NDArray[np.float64]],
+        washout: int,
+        tolerance: float,
+        solver: str,
+        budget: int,
     ) -> None:
-        self._batch, self._inputs, self._body, self._washout = batch, inputs, body, washout
+        self._batch, self._inputs, self._start, self._washout = batch, inputs, start, washout
         bodies, grounds, self._units = units_of(batch.crawlers, batch.scenes)
         self._columns = coefficients_of_each(bodies, grounds)
         self._solvers = choose_for_each(
@@ -230,16 +237,15 @@ class _Runs:
         i, j = run
         batch, hold = self._batch, float(self._batch.holds[i])
         by = SOLVERS[NAMES[self._solvers[i]]]
-        outcome, finished, samples = run_growth(
-            self._body,
-            coefficients_of_one(self._columns, i),
-            float(self._units[i]),
-            self._inputs[i, j].astype(np.float64),
-            self._washout,
-            hold,
-            by.options(self._tolerance, tangents=True, max_steps=self._budget),
-            by,
-        )
+        options = by.options(self._tolerance, tangents=True, max_steps=self._budget)
+        duties, (body, stretches) = self._inputs[i, j].astype(np.float64), self._start
+        if batch.chains[i]:
+            groups, scene = batch.crawlers[i], batch.scenes[i]
+            done = run_chain_growth(body, stretches, groups, scene, duties, self._washout, hold, options)
+        else:
+            coefficients, unit = coefficients_of_one(self._columns, i), float(self._units[i])
+            done = run_growth(body, coefficients, unit, duties, self._washout, hold, options, by)
+        outcome, finished, growth = done
         if outcome.status != FINISHED:
             time, slips = finished * hold + outcome.elapsed, outcome.body.slips
             error = solver_error(
@@ -255,7 +261,7 @@ class _Runs:
             )
             names = [f"crawler {i}"] * (len(batch.crawlers) > 1) + [f"input {j}"] * (self._inputs.shape[1] > 1)
             raise SolverError(": ".join([", ".join(names), str(error)] if names else [str(error)]))
-        growth = np.hstack([np.zeros((len(samples) - BODY_ROWS, 1)), samples[BODY_ROWS:, self._washout :]])
+        growth = np.hstack([np.zeros((len(growth), 1)), growth])
         return _Growth(
             np.diff(self._ends) * hold,
             np.diff(growth[:2, self._ends]).T,

@@ -1,7 +1,7 @@
 """The parts of the loop for a chain: the crawler's own rules, with a state for each segment.
 
 Its `samples` have (5 + 2 N) rows: those of the crawler, whose z and v are the means of the segments', and then d and d'
-of the N segments, foot first. It carries no tangents.
+of the N segments, foot first.
 """
 
 import numpy as np
@@ -11,6 +11,7 @@ from ...compiling.compilation import compiled, inlined
 from ...compiling.roots import horner, sharp_descent
 from ..model.equations import pressure_after
 from ..model.state import Body, Coefficients, Ledger, STUCK
+from ..stability.chain_growth import carry_chain, note_chain, saltate_chain
 from ..steps.chain_series import chain_step, ChainWorkspace, foot_at, stretches_at
 from ..steps.options import Pace, Situation
 from ..steps.workspace import FORCE, SCRATCH, V, Z
@@ -68,18 +69,20 @@ def _account(now: Situation, _start: Body, ledger: Ledger, following: Body, leng
 
 
 @inlined
-def _carry(_now: Situation, _start: Body, _following: Body, _length: float) -> None:
-    pass
+def _carry(now: Situation, _start: Body, _following: Body, length: float) -> None:
+    carry_chain(now.body, now.coefficients, now.options.order, length, now.workspace)
 
 
 @inlined
-def _saltate(_now: Situation, _start: Body, _following: Body, _mode: int, _time: float) -> None:
-    pass
+def _saltate(now: Situation, _start: Body, following: Body, mode: int, time: float) -> None:
+    saltate_chain(following, mode, now.coefficients, now.hold.valve, time, now.workspace)
 
 
 @inlined
-def _note(_now: Situation, _samples: NDArray[np.float64]) -> None:
-    pass
+def _note(now: Situation, samples: NDArray[np.float64]) -> None:
+    rows = BODY_ROWS + 2 * now.workspace.ahead.shape[1]
+    if samples.shape[0] > rows:
+        note_chain(now.workspace, samples[rows:, samples.shape[1] - 1])
 
 
 CHAIN = Parts(chain_step, _event, _sample, _arrive, _account, _carry, _saltate, _note)

@@ -28,12 +28,15 @@ from .taylor import ROUNDING, SHORTENINGS, TRUST
 from .workspace import FORCE, P, ROWS, V, WIDTH, Z
 
 __all__ = [
+    "SQUARE",
     "ChainWorkspace",
+    "accelerate_nodes",
     "chain_coefficients",
     "chain_order",
     "chain_step",
     "chain_workspace",
     "foot_at",
+    "segment_mobility",
     "stretches_at",
 ]
 
@@ -55,7 +58,7 @@ _STABLE_DECAY = np.array([0.0] + [_stable_reach(order, -1.0) for order in range(
 # Orders that follow an oscillation for twice to four times as long a step as most of their neighbours.
 _ORDERS = (7, 12, 17, 22)
 # Rows of the segments' series besides those that the crawler's workspace names.
-_SQUARE, _STIFFNESS, _SEGMENT_ROWS = FORCE + 1, FORCE + 2, FORCE + 3
+SQUARE, _STIFFNESS, _SEGMENT_ROWS = FORCE + 1, FORCE + 2, FORCE + 3
 _RECIPROCAL = np.array([0.0] + [1.0 / n for n in range(1, WIDTH + 1)])
 
 
@@ -70,6 +73,9 @@ class ChainWorkspace(NamedTuple):
     ahead: NDArray[np.float64]  # (2, N): D and D' at some instant of the step
     pulls: NDArray[np.float64]  # (N,): F as its series has it there
     acceleration: NDArray[np.float64]  # (N + 1,): of the nodes, one order at a time
+    tangents: NDArray[np.float64]  # (2, 2 N + 1): changes of D, of D' and of the momentum, two vectors of them
+    changes: NDArray[np.float64]  # (3, WIDTH, N): series of the two parts of one, and of the slope of the force
+    growth: NDArray[np.float64]  # (4,): logarithms of the vectors, the integral of the divergence, and the stops
 
 
 def chain_coefficients(groups: Groups, scene: Scene) -> Coefficients:
@@ -95,6 +101,9 @@ def chain_workspace(groups: Groups, scene: Scene, stretches: NDArray[np.float64]
         np.empty((2, segments)),
         np.empty(segments),
         np.empty(segments + 1),
+        np.zeros((2, 2 * segments + 1)),
+        np.empty((3, WIDTH, segments)),
+        np.zeros(4),
     )
 
 
@@ -133,7 +142,7 @@ def expand_chain(body: Body, coefficients: Coefficients, valve: float, order: in
     segments = stretches.shape[1]
     duffing, damping = coefficients.duffing, coefficients.damping
     z, v = series.segments[Z], series.segments[V]
-    square, pull, stiffness = series.segments[_SQUARE], series.segments[FORCE], series.segments[_STIFFNESS]
+    square, pull, stiffness = series.segments[SQUARE], series.segments[FORCE], series.segments[_STIFFNESS]
     pressure = series.rear[P]
 
     term = body.pressure - valve
@@ -164,7 +173,7 @@ def expand_chain(body: Body, coefficients: Coefficients, valve: float, order: in
         for i in range(n + 1):
             for j in range(segments):
                 pull[n, j] += stiffness[i, j] * z[n - i, j]
-        _accelerate(pull[n], body.mode, coefficients, n == 0, series)
+        accelerate_nodes(pull[n], body.mode, coefficients, n == 0, series)
         series.foot_velocity[n + 1] = series.acceleration[0] * _RECIPROCAL[n + 1]
         scale = segments * _RECIPROCAL[n + 1]
         for j in range(segments):
@@ -179,7 +188,7 @@ def expand_chain(body: Body, coefficients: Coefficients, valve: float, order: in
 
 
 @compiled
-def _accelerate(
+def accelerate_nodes(
     force: NDArray[np.float64], mode: int, coefficients: Coefficients, leading: bool, series: ChainWorkspace
 ) -> None:
     """One order of the nodes' accelerations from that of the forces; weight and drag are constant, of order 0."""

@@ -136,8 +136,11 @@ def test_the_recurrence_of_the_chain(monkeypatch, mode):
         None,
         None,
         np.zeros(segments + 1, object),
+        None,
+        None,
+        None,
     )
-    monkeypatch.setattr(chain_series, "_accelerate", chain_series._accelerate.py_func)
+    monkeypatch.setattr(chain_series, "accelerate_nodes", chain_series.accelerate_nodes.py_func)
     body = START._replace(mode=mode, foot_velocity=Exact(mode, 6))
     chain_series.expand_chain.py_func(body, COEFFICIENTS, VALVE, ORDER, workspace)
 

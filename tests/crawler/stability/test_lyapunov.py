@@ -237,7 +237,6 @@ def test_duty_cycles_and_pauses_change_nothing(monkeypatch):
         ({"washout": 599}, r"washout must be a whole number in \[0, 598\], got 599"),
         ({"tolerance": 1.0}, r"tolerance must be in \[1e-15, 1e-2\], got 1.0"),
         ({"solver": "euler"}, "solver must be one of"),
-        ({"scene": Scene(segments=3, tube_mass=0.5)}, "scene must be no chain of heavy segments"),
         ({"groups": [Groups(), Groups()], "valve": BITS}, "groups and valve must have as many rows, got 2 and 3"),
     ],
 )
