@@ -17,6 +17,7 @@ EXTRAS = {
     "demo": ("jinja2",),
     "dask": ("distributed",),
     "maps": ("xarray", "zarr"),
+    "claims": ("pysindy",),
     "peers": ("envpool", "heyoka", "diffrax", "jax", "mujoco", "reservoirpy"),
 }
 """Packages that can be imported by the least extra in `pyproject.toml` that installs them."""

@@ -11,7 +11,21 @@ from ..common.terminal import say_what_can_be_said
 with optional_import():
     import typer
 
-from . import bench, compilation, demo, evaluate, export, lyapunov, mapping, names, search, speed, trade, train
+from . import (
+    bench,
+    compilation,
+    demo,
+    evaluate,
+    export,
+    lyapunov,
+    mapping,
+    names,
+    reproduce,
+    search,
+    speed,
+    trade,
+    train,
+)
 from .interruption import continued, INTERRUPTED, Interruptible, resumed
 
 __all__ = ["app", "run"]
@@ -34,6 +48,7 @@ app.command("bench", cls=resumed("finished"))(bench.bench)
 app.command("search", cls=continued())(search.search)
 app.command("map", cls=continued())(mapping.map_numbers)
 app.command("lyapunov", cls=Interruptible)(lyapunov.lyapunov)
+app.command("reproduce", cls=Interruptible)(reproduce.reproduce)
 app.command("compile", cls=Interruptible)(compilation.compile_kernels)
 
 

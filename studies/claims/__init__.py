@@ -1,0 +1,1 @@
+"""The paper, tested: its claims, each with a verdict and the numbers that decide it."""

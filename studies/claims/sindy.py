@@ -1,0 +1,178 @@
+"""Accelerations of the crawler by sparse regression on polynomials, as the paper does it (C6 to C9), with PySINDy.
+
+F / (1 - r) is the payload's acceleration while the foot sticks and while it slides: a cubic in z, v and p. The foot's
+acceleration, and with it z'', jumps when the foot breaks loose or stops: no polynomial does.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.preprocessing import PolynomialFeatures
+
+from ...common.extras import optional_import
+from ...crawler import Groups, simulate, Trajectory
+from ...tasks import random_bits
+from ..identification.regression import payload_law
+
+with optional_import():
+    import pysindy
+
+__all__ = ["METHODS", "TARGETS", "Fit", "Setting", "accelerations", "fit", "library", "nmse"]
+
+_Array = NDArray[np.float64]
+
+Target = Literal["payload", "foot", "deformation"]
+TARGETS: tuple[Target, ...] = ("payload", "foot", "deformation")
+"""Whose acceleration is regressed."""
+
+_SUPPORT = 0.4  # half the length of the weak form's bumps, natural time
+_MODELS = 20  # of an ensemble
+_TOLERANCE = 1e-10
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One way to regress.
+
+    Parameters
+    ----------
+    target : {"payload", "foot", "deformation"}
+    degree : int
+        Of the polynomials in z, v and p.
+    rates : bool
+        Whether max(0, p') and sign(p') are in the library, as in the paper's Fig. 5.
+    centred : bool
+        Whether z is measured from its mean: the paper's removal of pre-strain.
+    method : {"stlsq", "ensemble", "weak"}
+        Sequentially thresholded least squares of the exact acceleration, the median of such fits to bootstrapped
+        samples, or all terms in weak form, for which no acceleration is measured.
+    threshold : float
+        Below which a coefficient is dropped.
+    noise : float
+        Standard deviation of the errors, of that of the channel.
+    step : float
+        Between samples, natural time.
+    """
+
+    target: Target = "foot"
+    degree: int = 3
+    rates: bool = False
+    centred: bool = False
+    method: str = "stlsq"
+    threshold: float = 0.05
+    noise: float = 0.0
+    step: float = 0.02
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Coefficients by the name of the term, and the one-step NMSE on a run that was not seen."""
+
+    terms: dict[str, float]
+    nmse: float
+
+
+def accelerations(groups: Groups, motion: Trajectory) -> dict[Target, _Array]:
+    """Exact accelerations of payload, foot and deformation at the samples, on level ground with a ratcheted foot."""
+    z, v, p = motion.deformation, motion.velocity, motion.pressure
+    r = groups.foot_mass_fraction
+    force = p * (1.0 + groups.radial_coupling * z) - z - groups.duffing * z**3 - 2.0 * groups.damping_ratio * v
+    payload = force / (1.0 - r)
+    foot = np.where(motion.foot_velocity > 0.0, -(force + groups.kinetic_friction) / r, 0.0)
+    return {"payload": payload, "foot": foot, "deformation": payload - foot}
+
+
+def _states(motion: Trajectory) -> _Array:
+    """Deformation, velocity and pressure, (samples, 3): what the paper regresses on."""
+    return np.stack([motion.deformation, motion.velocity, motion.pressure], axis=1)
+
+
+def library(setting: Setting) -> tuple[list[str], NDArray[np.int64]]:
+    """Names of the polynomial terms, and their powers of z, v and p: (terms, 3)."""
+    terms = PolynomialFeatures(setting.degree).fit(np.zeros((1, 3)))
+    return list(terms.get_feature_names_out(["z", "v", "p"])), terms.powers_
+
+
+def fit(setting: Setting, groups: Groups, *, hold: float = 1.0, holds: int = 200, seed: int = 0) -> Fit:
+    """Regress on one run under fair random bits, and foretell the acceleration in another.
+
+    Parameters
+    ----------
+    setting : Setting
+    groups : Groups
+        Of a crawler on level ground with a ratcheted foot.
+    hold : float
+    holds : int
+        Of either run.
+    seed : int
+        The valve's and the errors'.
+
+    Returns
+    -------
+    Fit
+    """
+    generator = np.random.default_rng([seed, 1])
+    count = round(hold / setting.step)
+    names, powers = library(setting)
+    runs = [
+        simulate(groups, random_bits(holds, [seed, part]), hold, samples_per_hold=count, tolerance=_TOLERANCE)
+        for part in range(2)
+    ]
+    origin = np.zeros(3)
+    exact, terms = [], []
+    for run in runs:
+        measured = _states(run)
+        measured = measured + setting.noise * measured.std(axis=0) * generator.standard_normal(measured.shape)
+        if run is runs[0] and setting.centred:
+            origin[0] = measured[:, 0].mean()
+        values = np.prod((measured - origin)[:, np.newaxis] ** powers, axis=2)
+        if setting.rates:
+            rate = (np.repeat(run.valve, count) - measured[:, 2]) / groups.deborah
+            values = np.column_stack([values, np.maximum(0.0, rate), np.sign(rate)])
+        terms.append(values)
+        exact.append(accelerations(groups, run)[setting.target])
+    names += ["max(0, p')", "sign(p')"] if setting.rates else []
+    known = _velocity(runs[0], setting.target) if setting.method == "weak" else exact[0]
+    known = known + setting.noise * known.std() * generator.standard_normal(known.size)
+    found = _METHODS[setting.method](setting, terms[0], known, generator)
+    kept = {name: float(value) for name, value in zip(names, found, strict=True) if value != 0.0}
+    return Fit(kept, nmse(terms[1] @ found, exact[1]))
+
+
+def nmse(told: _Array, true: _Array) -> float:
+    """Mean squared error over the variance of what is true."""
+    return float(np.mean((told - true) ** 2) / np.var(true))
+
+
+def _velocity(motion: Trajectory, target: Target) -> _Array:
+    """The velocity whose rate the target is."""
+    parts = {
+        "payload": motion.velocity + motion.foot_velocity,
+        "foot": motion.foot_velocity,
+        "deformation": motion.velocity,
+    }
+    return np.asarray(parts[target])
+
+
+def _sparse(setting: Setting, terms: _Array, target: _Array, _: np.random.Generator) -> _Array:
+    """Coefficients by sequentially thresholded least squares."""
+    optimizer = pysindy.STLSQ(threshold=setting.threshold, alpha=1e-8)
+    optimizer.fit(terms, target[:, np.newaxis])
+    return np.asarray(optimizer.coef_)[0]
+
+
+def _ensemble(setting: Setting, terms: _Array, target: _Array, generator: np.random.Generator) -> _Array:
+    """The median of sparse coefficients over bootstrapped samples."""
+    draws = generator.integers(target.size, size=(_MODELS, target.size))
+    return np.median([_sparse(setting, terms[draw], target[draw], generator) for draw in draws], axis=0)
+
+
+def _weak(setting: Setting, terms: _Array, velocity: _Array, _: np.random.Generator) -> _Array:
+    """Coefficients of all terms in weak form."""
+    return payload_law(terms.T, velocity, setting.step, _SUPPORT)
+
+
+_METHODS = {"stlsq": _sparse, "ensemble": _ensemble, "weak": _weak}
+METHODS = tuple(_METHODS)
