@@ -19,19 +19,22 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 from measuring import keep, machine, refresh
 
+import stickslip
 from stickslip.envs.settings import Settings
 from stickslip.reservoir import Estimate
 from stickslip.studies.trade import best_registers, hypervolume, Judgement, open_loop_front, speed_limit
-from stickslip.studies.trade.adversaries import audit
+from stickslip.studies.trade.adversaries import Adversary, Audit, audit
 from stickslip.studies.trade.attribution import attribute
 from stickslip.studies.trade.conditions import conditions
 from stickslip.studies.trade.evolution import evolved_feedback
 from stickslip.studies.trade.gap import gap, KINDS, kinds_of, mixed_runs
 from stickslip.studies.trade.judgement import held_out_seeds, joined, judge
+from stickslip.studies.trade.learned_adversary import learned_adversary
 from stickslip.studies.trade.open_loop import schedule_runs
 from stickslip.studies.trade.registers import register_runs, Registers, tables_of
 from stickslip.studies.trade.richest import richest
 from stickslip.studies.trade.rollouts import runs_of
+from stickslip.train.policies import Policy
 
 RESULTS = Path(__file__).parent / "results" / "trade_limits.json"
 PAGE = Path(__file__).parents[1] / "docs" / "trade_limits.md"
@@ -43,6 +46,7 @@ FLOORS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
 BLOCKS = (10, 30, 100, 300, 1000)
 GENERATIONS, CHILDREN = 25, 1000
 HOLDS = 10_000
+WINDOW = 2500
 WORDS = ("1", "0", "11100111000")
 PLACES: tuple[dict[str, Any], ...] = (
     {},
@@ -157,8 +161,7 @@ def limit() -> Result:
     }
 
 
-def reward() -> Result:
-    found = audit(holds=HOLDS // 4)
+def told_audit(found: Audit) -> Result:
     return {
         name: {
             "earned": float(found.earned[i].mean()),
@@ -167,6 +170,24 @@ def reward() -> Result:
         }
         for i, name in enumerate(found.names)
     }
+
+
+def reward() -> Result:
+    return told_audit(audit(holds=WINDOW))
+
+
+def learned() -> Result:
+    """Policies that PPO found for the reward, and one that was searched for the excess itself."""
+
+    def of(policy: Policy) -> Adversary:
+        return lambda _: lambda _, observations: policy.predict(observations)
+
+    shipped = {name: stickslip.pretrained(name) for name in ("knee", "memory")}
+    of_reward = {f"PPO at weight {each.env_kwargs['memory_weight']:g}": of(each) for each in shipped.values()}
+    [valves] = {each.env_kwargs["valve_history"] for each in shipped.values()}
+    rows = told_audit(audit(of_reward, holds=WINDOW, valve_history=valves))
+    searched = {"learned for the excess": learned_adversary(holds=WINDOW)}
+    return rows | told_audit(audit(searched, holds=WINDOW))
 
 
 def whose() -> Result:
@@ -217,6 +238,7 @@ PARTS: Mapping[str, Callable[[], Result]] = {
     "limit": limit,
     "evolution": evolution,
     "audit": reward,
+    "learned": learned,
     "attribution": whose,
     "places": places,
 }
@@ -342,7 +364,7 @@ def tables(found: Result) -> dict[str, str]:
         "evolution": lambda: evolution_table(found["evolution"]),
         "gap": lambda: gap_table(found["registers"]["gap"]),
         "mixtures": lambda: mixture_table(found["registers"]["mixtures"]),
-        "audit": lambda: audit_table(found["audit"]),
+        "audit": lambda: audit_table({**found["audit"], **found.get("learned", {})}),
         "attribution": lambda: attribution_table(found["attribution"]),
         "places": lambda: place_table(found["places"]),
     }

@@ -25,7 +25,7 @@ from .judgement import held_out_seeds
 from .open_loop import commands_of
 from .rollouts import arguments_of, WASHOUT
 
-__all__ = ["ADVERSARIES", "HONEST", "Audit", "audit"]
+__all__ = ["ADVERSARIES", "HONEST", "Adversary", "Audit", "audit", "earned_and_held"]
 
 Bits = NDArray[np.int64]
 Adversary = Callable[[StickSlipCrawlerVectorEnv], Act]
@@ -103,14 +103,31 @@ def audit(
     whole_number("holds", holds, 200)
     tried = {**HONEST, **ADVERSARIES} if adversaries is None else adversaries
     held_out = held_out_seeds(seeds)
-    both = np.array([_earned_and_held(each, settings, held_out, holds, threads) for each in tried.values()])
+    both = np.array([earned_and_held(each, settings, held_out, holds, threads) for each in tried.values()])
     return Audit(tuple(tried), both[:, 0], both[:, 1], held_out, holds)
 
 
-def _earned_and_held(
+def earned_and_held(
     adversary: Adversary, settings: Settings, seeds: tuple[int, ...], holds: int, threads: int | None
 ) -> NDArray[np.float64]:
-    """Mean reward and capacity on each seed, shape (2, m)."""
+    """What a policy earned for memory, and what memory there was, on each seed.
+
+    Parameters
+    ----------
+    adversary : callable
+    settings : Settings
+        See `conditions`.
+    seeds : tuple of m int
+        Of the flips.
+    holds : int
+        Of the window, after `WASHOUT` more.
+    threads : int or None
+
+    Returns
+    -------
+    (2, m) array
+        Rows as `Audit.earned` and `Audit.capacities` have them.
+    """
     environment = _environment(settings, len(seeds), threads)
     valves = np.empty((len(seeds), WASHOUT + holds), np.int64)
     earned, messages = np.empty(valves.shape), np.empty(valves.shape)

@@ -15,6 +15,13 @@ def test_the_tables_are_those_of_the_results():
     assert refreshed(page, made) == page
 
 
+def test_nobody_earns_much_that_is_not_there():
+    found = json.loads(trade_limits.RESULTS.read_text(encoding="utf-8"))
+    excesses = {name: row["excess"] for name, row in {**found["audit"], **found["learned"]}.items()}
+    assert len(excesses) > 19
+    assert all(high < 0.15 for _, _, high in excesses.values())
+
+
 def test_a_place_is_named_by_what_differs_and_the_richest_comes_first():
     row = {"open loop": 1.0, "knee": [0.5, 3.0], "fastest": 0.7, "most": 4.0}
     table = trade_limits.place_table(
