@@ -1,9 +1,9 @@
 """The front of speed against memory, in full: `stickslip trade` at four dithers, and the page that tells of it.
 
-Run ``python benchmarks/front.py``: three trainings of each kind at the dither that is shown, one at the others. The
-cells are kept in ``runs/front`` as they end, and a run that was stopped goes on where it stopped; ``--dask ADDRESS``
-has a cluster do the work. ``--weights``, ``--dithers`` and ``--seeds`` take a part of it, which a later run adds to;
-``--quick`` makes the front of ``stickslip trade --quick`` instead. What they came to is then kept in
+Run ``python benchmarks/front.py``: three trainings of each kind at the dither that is shown, one at some weights at the
+others. The cells are kept in ``runs/front`` as they end, and a run that was stopped goes on where it stopped;
+``--dask ADDRESS`` has a cluster do the work. ``--weights``, ``--dithers`` and ``--seeds`` take a part of it, which a
+later run adds to; ``--quick`` makes the front of ``stickslip trade --quick`` instead. What they came to is then kept in
 ``benchmarks/results/front.json``, the tables are written into ``docs/trade.md`` and the README between their marks, and
 the figures are drawn into ``docs/images``.
 """
@@ -36,7 +36,13 @@ IMAGES = ROOT / "docs" / "images"
 SHOWN = 0.1
 ASKED: dict[str, Any] = {**FULL, "env_kwargs": {"hold": 0.5}}
 DITHERS = (0.0, 0.05, SHOWN, 0.25)
-SEEDS_ELSEWHERE = 1
+ELSEWHERE: dict[str, Any] = {
+    "weights": (0.0, 0.2, 0.4),
+    "floors": (),
+    "seeds": 1,
+    "conditioned": False,
+}
+"""What is asked for at the other dithers instead."""
 
 
 def made_of(results: dict[str, Any]) -> list[Front]:
@@ -66,9 +72,7 @@ def asked_in_words(trade: Trade) -> str:
     """What everything is judged on."""
     of_each = "a weight and above each floor" if trade.floors else "a weight"
     trainings = (
-        f"there is one training {of_each}"
-        if trade.seeds == 1
-        else f"there are {trade.seeds} trainings {of_each}, and the one is shown that was best in its own evaluations"
+        f"there is one training {of_each}" if trade.seeds == 1 else f"there are {trade.seeds} trainings {of_each}"
     )
     return (
         f"All are means over {trade.judges} seeds that no training, search or choice has seen, runs of {trade.holds}"
@@ -120,7 +124,7 @@ def summary(front: Front) -> list[list[str]]:
         (f"fastest open-loop word, {quickest.name}", quickest),
         ("valve held open", held),
         ("fastest policy", fastest),
-        (f"policy of the knee, memory_weight {knee.weight:g}", knee),
+        (f"policy of the knee, {_trained_for(knee)}", knee),
     ]
     told = [[f"what drives the valve, dither {front.dither:g}", "speed (z_c/t_c)", "memory capacity"]]
     told += [[name, cell(estimated(point.speeds), 3), cell(estimated(point.memories))] for name, point in rows]
@@ -139,13 +143,11 @@ def main() -> None:
     parser.add_argument("--seeds", type=int)
     chosen = parser.parse_args()
     asked = {**ASKED, **(QUICK if chosen.quick else {})}
-    if chosen.weights is not None:
-        asked["weights"] = chosen.weights
+    said = {name: getattr(chosen, name) for name in ("weights", "seeds") if getattr(chosen, name) is not None}
     every = []
     cells: dict[str, Any] = {}
     for dither in chosen.dithers or DITHERS:
-        seeds = chosen.seeds or (asked["seeds"] if dither == SHOWN else SEEDS_ELSEWHERE)
-        every.append({**asked, "dithers": (dither,), "seeds": seeds})
+        every.append({**asked, **({} if dither == SHOWN else ELSEWHERE), **said, "dithers": (dither,)})
         trade = Trade(**every[-1])
         folder = TradeFolder(chosen.folder, trade)
         for finished in folder.run(processes=chosen.processes, dask=chosen.dask):
@@ -169,6 +171,10 @@ def main() -> None:
     refresh(ROOT / "README.md", {"front": as_markdown(summary(shown))})
     for name in ("front", "learned"):
         shutil.copy(chosen.folder / figure_of(shown, name), IMAGES / f"{name}.png")
+
+
+def _trained_for(point: Point) -> str:
+    return f"memory_weight {point.weight:g}" if point.floor is None else f"a floor of {point.floor:g} on speed"
 
 
 def _imitating(seen: Learned | None) -> dict[str, Any]:

@@ -24,6 +24,8 @@ __all__ = ["best_at", "distil"]
 _CRAWLERS = 64
 _BATCH = 1024
 _LEARNING_RATE = 3e-3
+# At which the teachers are looked up that a description names: those that are the best nowhere have taught nothing.
+_WEIGHTS_TOLD = 1001
 
 
 def best_at(policies: Sequence[Policy], weight: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -123,7 +125,10 @@ def distil(
             "rounds": rounds,
             "holds": holds,
             "updates": updates,
-            "teachers": [{"algorithm": each.description["algorithm"], "scores": each.scores} for each in policies],
+            "teachers": [
+                {"algorithm": policies[i].description["algorithm"], "scores": policies[i].scores}
+                for i in np.unique(best_at(policies, np.linspace(0.0, 1.0, _WEIGHTS_TOLD))).tolist()
+            ],
         },
         "scores": {},
     }

@@ -17,14 +17,16 @@ from .algorithms import ALGORITHMS
 with optional_import():
     import yaml
 
-__all__ = ["EVEN", "STARTS", "Configuration", "Run"]
+__all__ = ["EVEN", "FROM_POLICY", "STARTS", "Configuration", "Run"]
 
 _CHECKPOINT = re.compile(r"(\d+)_steps\.zip")
 ENV_ARGUMENTS = tuple(signature(Settings.of).parameters)
 ENVIRONMENTS = ("StickSlipCrawler-v0",)
 EVEN = "even"
-STARTS = (EVEN, "open", "shut")
-"""What a policy does before it has learned: chances are even, or the valve is mostly held open, or shut."""
+FROM_POLICY = "policy"
+STARTS = (EVEN, "open", "shut", FROM_POLICY)
+"""What a policy does before it has learned: chances are even, or the valve is mostly held open, or shut, or it does as
+another policy does."""
 _LARGEST_SEED = 2**32 - 1
 _KEPT = (
     "configuration.yml",
@@ -55,7 +57,7 @@ class Configuration:
         As in a file of rl-baselines3-zoo's form, `n_envs`, `n_timesteps` and `policy` among them. If they have
         `env_kwargs`, these go over to those above, which win.
     seed : int, >= 0
-    start : {"even", "open", "shut"}
+    start : {"even", "open", "shut", "policy"}
         What the policy does before it has learned: one of :data:`STARTS`. Where rewards have several local optima, as
         between rest and walk, it decides which is found.
     floor : float, >= 0, optional

@@ -16,6 +16,7 @@ from ..common.threads import library_threads
 from ..envs import StickSlipCrawlerEnv
 from . import verdict
 from .algorithms import algorithm_class
+from .begun import begin_from
 from .evaluation import Acting
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .floor import Floor, FloorVecEnv
@@ -23,8 +24,9 @@ from .hyperparameters import entropy_schedule, resolve
 from .long_runs import of_policy, of_words
 from .policies.files import read_policy, WEIGHTS, write_policy
 from .policies.from_model import policy_of
+from .policies.policy import Policy
 from .probe import first_rewards
-from .run import Configuration, EVEN, Run
+from .run import Configuration, EVEN, FROM_POLICY, Run
 from .still import begin_still, hold_still
 from .trust import read_pickle, write_pickle
 from .vec_env import StickSlipVecEnv
@@ -57,6 +59,7 @@ def train(
     vec_env: Callable[..., VecEnv] | None = None,
     judging: Judging | None = None,
     or_still: bool = True,
+    begin: Policy | None = None,
 ) -> Run:
     """Train a policy, with periodic evaluation, checkpoints and TensorBoard logs, and judge it.
 
@@ -88,6 +91,8 @@ def train(
     or_still : bool
         Whether a policy that holds the valve open or shut is kept instead of the best, where it earns more on the seeds
         of the evaluations over runs as long.
+    begin : Policy, optional
+        Where a configuration's `start` is "policy", that policy; it is begun from less certainly than it acts.
 
     Returns
     -------
@@ -103,6 +108,8 @@ def train(
         If the folder cannot be written.
     """
     judging = verdict.STANDARD if judging is None else judging
+    if not resume and (begin is not None) != (configuration.start == FROM_POLICY):
+        raise ValueError(f"begin must be a policy where start is {FROM_POLICY!r}, and there alone")
     total = configuration.hyperparameters["n_timesteps"]
     arguments = resolve(
         {
@@ -142,7 +149,9 @@ def train(
                     device="cpu",
                     **arguments,
                 )
-                if configuration.start != EVEN:
+                if begin is not None:
+                    begin_from(model, begin)
+                elif configuration.start != EVEN:
                     begin_still(model, int(configuration.start == "open"))
                 vars(model)[_CONFIGURATION] = asdict(configuration)  # SB3 saves every attribute
                 vars(model)[_REWARDS] = rewards

@@ -29,7 +29,7 @@ class Job(NamedTuple):
     trade: Trade
     cell: Cell
     policies: tuple[Policy, ...] = ()
-    """What is judged, or distilled."""
+    """What is judged, or distilled, or begun with."""
 
 
 class Outcome(NamedTuple):
@@ -70,9 +70,9 @@ def _train(job: Job) -> Outcome:
     with TemporaryDirectory(prefix="stickslip_") as folder:
         # Of words the front tells more, and on the seeds that judge it.
         judging = replace(verdict.STANDARD, longest_word=1)
-        run = train(
-            job.trade.configuration(cell.dither, cell.weight, cell.seed, cell.floor), Path(folder), judging=judging
-        )
+        below = next(iter(job.policies), None)
+        asked = job.trade.configuration(cell.dither, cell.weight, cell.seed, cell.floor, climbed=below is not None)
+        run = train(asked, Path(folder), judging=judging, begin=below)
         return Outcome({}, read_policy(run.best_policy))
 
 
@@ -126,7 +126,7 @@ def _judge(job: Job) -> Outcome:
         "holds": job.trade.holds,
     }
     if not policy.conditioned:
-        told["evaluated"] = policy.scores["reward"]["mean"]
+        told["evaluated"] = {name: policy.scores[name]["mean"] for name in ("reward", "speed", "memory")}
     if job.cell.dither:
         commands = {seed: run.command[np.newaxis] for seed, run in zip(seeds, runs, strict=True)}
         cut = feedback_cut(lambda seed: (commands[seed], commands[seed]), job.cell.dither)

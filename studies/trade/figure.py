@@ -83,8 +83,9 @@ def plot_front(front: Front, *, weight: float = 0.2, ax: Axes | None = None) -> 
         if front.policies:
             chosen = front.chosen
             points = _means(chosen)
+            floored = any(point.floor is not None for point in chosen)
             ax.plot(*points.T, "o", ms=4.5, mec="white", mew=0.5, color=policy_color, zorder=4,
-                    label="one policy a weight")  # fmt: skip
+                    label="one policy a weight" + " or floor" * floored)  # fmt: skip
             _bodies_share(ax, [chosen[i] for i in pareto_front(points)], policy_color)
         knee = front.knee
         if knee is not None:

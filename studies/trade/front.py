@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,18 @@ __all__ = ["Front", "Point", "area", "as_json", "estimated", "fronts", "gain"]
 
 _ROUNDING = 1e-9
 _HELD = {"held open": "1", "held shut": "0"}
+
+
+class Evaluated(NamedTuple):
+    """What a policy came to in the evaluations of its training."""
+
+    reward: float = 0.0
+    """What it was trained for: the weighted reward per step, or the utility of a floor."""
+    speed: float = 0.0
+    memory: float = 0.0
+
+
+_NOT_EVALUATED = Evaluated()
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +48,8 @@ class Point:
         Means over one episode of what the environment pays, each before its weight.
     body_memories : (m,) array or None
         Memory of a policy whose feedback is cut: its commands on flips that it knows nothing of.
-    evaluated : float
-        Reward per step in the evaluations of the training, whose seeds judge nothing.
+    evaluated : Evaluated
+        What it came to in the evaluations of its training, whose seeds judge nothing.
     floor : float or None
         On speed, of a training for one instead of a weight.
     """
@@ -51,7 +63,7 @@ class Point:
     episode_speeds: NDArray[np.float64] | None = None
     episode_memories: NDArray[np.float64] | None = None
     body_memories: NDArray[np.float64] | None = None
-    evaluated: float = 0.0
+    evaluated: Evaluated = _NOT_EVALUATED
     floor: float | None = None
 
     @property
@@ -88,17 +100,20 @@ class Front:
 
     @property
     def chosen(self) -> list[Point]:
-        """Of the trainings at each weight or floor that with most reward in its own evaluations, by rising weight.
+        """Of the trainings at each weight or floor the best, and those that none surpasses in both objectives.
 
-        The seeds that judge have no part in the choice: the best of several on them would be lucky.
+        Both in their own evaluations: the seeds that judge have no part in the choice, since the best of several on
+        them would be lucky. By rising weight.
         """
         best: dict[Any, Point] = {}
         of_weights_first = sorted(
-            self.policies, key=lambda each: (each.floor or 0.0, each.weight or 0.0, -each.evaluated)
+            self.policies, key=lambda each: (each.floor or 0.0, each.weight or 0.0, -each.evaluated.reward)
         )
         for point in of_weights_first:
             best.setdefault((point.weight, point.floor), point)
-        return list(best.values())
+        unsurpassed = pareto_front(np.array([point.evaluated[1:] for point in of_weights_first]).reshape(-1, 2))
+        chosen = {id(point) for point in best.values()} | {id(of_weights_first[i]) for i in unsurpassed}
+        return [point for point in of_weights_first if id(point) in chosen]
 
     @property
     def shown(self) -> list[Point]:
@@ -234,7 +249,7 @@ def _policy(kind: str, cell: Cell, result: Mapping[str, Any]) -> Point:
         np.array(paid["speeds"]),
         np.array(paid["memories"]),
         np.array(result["body memories"]) if "body memories" in result else None,
-        result.get("evaluated", 0.0),
+        Evaluated(**result.get("evaluated", {})),
         cell.floor,
     )
 

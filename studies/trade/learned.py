@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from .conditions import conditions
 from .front import Front, Point
 from .judgement import held_out_seeds, judge
-from .plan import Cell, TRAINED
 from .portrait import Imitation, imitation, Portrait, portrait, response
 from .registers import register_runs
 from .running import TradeFolder
@@ -57,9 +56,9 @@ def learned(folder: TradeFolder, front: Front) -> Learned | None:
     chosen = {name: point for name, point in (("knee", front.knee), ("fastest", front.fastest)) if point is not None}
     if not chosen:
         return None
+    cells = [cell for stage in folder.trade.cells() for cell in stage]
     policies = {
-        name: folder.policy(Cell(TRAINED, front.dither, point.weight, point.seed, floor=point.floor))
-        for name, point in chosen.items()
+        name: folder.policy(next(cell for cell in cells if cell.name == point.name)) for name, point in chosen.items()
     }
     portraits = {name: portrait(policies[name], point.weight) for name, point in chosen.items()}
     imitations = {name: {bits: imitation(each, bits) for bits in _BITS} for name, each in portraits.items()}

@@ -13,7 +13,7 @@ from ...envs.specification import plain
 from ...train.algorithms import ALGORITHMS
 from ...train.hyperparameters import read_hyperparameters
 from ...train.probe import first_rewards
-from ...train.run import Configuration, ENV_ARGUMENTS, EVEN
+from ...train.run import Configuration, ENV_ARGUMENTS, EVEN, FROM_POLICY
 
 __all__ = ["CONDITIONED", "FLOORED", "FULL", "JUDGED", "LIMIT", "OPEN_LOOP", "QUICK", "TRAINED", "Cell", "Trade"]
 
@@ -70,7 +70,7 @@ class Cell(NamedTuple):
     weight: float | None = None
     seed: int | None = None
     of: str | None = None
-    """Which policies a conditioned one is distilled from, as a digest."""
+    """What a policy depends on, as a digest: those that it is distilled from, or the floors that it has climbed."""
     floor: float | None = None
     """On speed, of a policy that was trained for one instead of a weight."""
 
@@ -112,8 +112,9 @@ class Trade:
     first_seed : int, at least 0
         Of the trainings; the others follow.
     floors : sequence of float, above 0
-        On speed: policies are trained as well for memory above each (`stickslip.train.floor.Floor`). They begin by
-        holding the valve shut mostly: from even chances a policy learns to walk, and never sees what lies near to rest.
+        On speed: policies are trained as well for memory above each (`stickslip.train.floor.Floor`). The first begins
+        by holding the valve shut mostly: from even chances a policy learns to walk, and never sees what lies near to
+        rest. Each of the others begins with the policy of the floor below.
         None are by default, nor where there is no dither.
     env_kwargs : mapping
         Further arguments of the environment, such as ``hold`` and ``groups``. They win over those that the
@@ -194,16 +195,16 @@ class Trade:
         self.world(self.dithers[0])  # what the environment refuses, it refuses here
 
     def configuration(
-        self, dither: float, weight: float | None, seed: int, floor: float | None = None
+        self, dither: float, weight: float | None, seed: int, floor: float | None = None, *, climbed: bool = False
     ) -> Configuration:
-        """The configuration of a training, for a weight or a floor."""
+        """The configuration of a training, for a weight or a floor; `climbed` where there is a floor below."""
         told = {"dither": dither} if weight is None else {"dither": dither, "memory_weight": weight}
         return Configuration(
             algorithm=self.algorithm,
             env_kwargs={**self.env_kwargs, **told},
             hyperparameters=dict((self.hyperparameters if floor is None else self.floor_hyperparameters) or {}),
             seed=seed,
-            start=EVEN if floor is None else "shut",
+            start=EVEN if floor is None else FROM_POLICY if climbed else "shut",
             floor=floor,
         )
 
@@ -239,38 +240,52 @@ class Trade:
         """
         making = [Cell(OPEN_LOOP, dither) for dither in self.dithers]
         making += [Cell(LIMIT, dither) for dither in self.dithers]
-        making += [cell for dither in self.dithers for cell in self.teachers(dither) + self.floored(dither)]
+        making += [cell for dither in self.dithers for cell in self.teachers(dither)]
+        climbing = [[cell for dither in self.dithers for cell in self.floored(dither, floor)] for floor in self.floors]
+        making += [cell for first in climbing[:1] for cell in first]
         distilling = []
         if self.conditioned:
             distilling = [self._distilled(dither) for dither in self.dithers if dither > 0]
         judging = []
-        for cell in (*distilling, *making):
+        above = [cell for later in climbing[1:] for cell in later]
+        for cell in (*distilling, *making, *above):
             if cell.kind == TRAINED:
                 judging.append(cell._replace(kind=JUDGED[TRAINED]))
             elif cell.kind == CONDITIONED:
                 judging += [cell._replace(kind=JUDGED[CONDITIONED], weight=weight) for weight in self.weights]
-        return [making, distilling, judging]
+        return [making, *climbing[1:], distilling, judging]
 
     def teachers(self, dither: float) -> list[Cell]:
         """The trainings for a weight at a dither, of which the policy for all weights is distilled."""
         return [Cell(TRAINED, dither, weight, seed) for seed in self._seeds for weight in self.weights_at(dither)]
 
-    def floored(self, dither: float) -> list[Cell]:
-        """The trainings at a dither above floors on speed."""
-        floors = self.floors if dither > 0 else ()
-        return [Cell(TRAINED, dither, None, seed, floor=floor) for seed in self._seeds for floor in floors]
+    def floored(self, dither: float, floor: float) -> list[Cell]:
+        """The trainings at a dither above a floor on speed."""
+        below = self.floors[: self.floors.index(floor)]
+        of = _digest(list(below)) if below else None
+        return [Cell(TRAINED, dither, None, seed, of, floor) for seed in self._seeds if dither > 0]
+
+    def below(self, cell: Cell) -> list[Cell]:
+        """The training above the floor below, whose policy that of a cell begins with; none where there is none."""
+        if cell.kind != TRAINED or cell.of is None or cell.floor is None:
+            return []
+        floor = self.floors[self.floors.index(cell.floor) - 1]
+        return [each for each in self.floored(cell.dither, floor) if each.seed == cell.seed]
 
     @property
     def _seeds(self) -> range:
         return range(self.first_seed, self.first_seed + self.seeds)
 
     def _distilled(self, dither: float) -> Cell:
-        names = json.dumps([cell.name for cell in self.teachers(dither)])
-        return Cell(CONDITIONED, dither, None, self.first_seed, sha256(names.encode()).hexdigest()[:8])
+        return Cell(CONDITIONED, dither, None, self.first_seed, _digest([each.name for each in self.teachers(dither)]))
 
     def weights_at(self, dither: float) -> tuple[float, ...]:
         """Weights of memory that mean something at a dither."""
         return tuple(weight for weight in self.weights if weight == 0 or dither > 0)
+
+
+def _digest(names: list[Any]) -> str:
+    return sha256(json.dumps(names).encode()).hexdigest()[:8]
 
 
 def _distinct(name: str, values: Iterable[float], interval: str) -> tuple[float, ...]:

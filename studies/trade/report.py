@@ -141,7 +141,7 @@ def _floors(trade: Trade) -> str:
 def _objective(point: Point) -> str:
     """What a policy was trained for."""
     if point.floor is not None:
-        return f"speed ≥ {point.floor:g}"
+        return f"floor {point.floor:g}"
     return "" if point.weight is None else f"{point.weight:g}"
 
 
@@ -192,7 +192,11 @@ def _page(trade: Trade, fronts: Sequence[Front], looked_at: Mapping[float, Learn
 def areas(front: Front) -> list[list[str]]:
     """Hypervolumes at one dither, under a row of headings."""
     told = [["", "hypervolume from (0, 0)", "% above open loop"], [OPEN_LOOP, cell(area(front.open_loop)), ""]]
-    for name, points in (("policies", front.chosen), ("conditioned policy", front.conditioned)):
+    weighed = [point for point in front.chosen if point.floor is None]
+    every = [("policies", front.chosen), ("conditioned policy", front.conditioned)]
+    if len(weighed) < len(front.chosen):
+        every.insert(1, ("policies for a weight", weighed))
+    for name, points in every:
         if points:
             more = gain(points, front.open_loop)
             percent = Estimate(100 * more.mean, 100 * more.low, 100 * more.high, more.runs)

@@ -81,7 +81,7 @@ def test_a_shipped_policy_is_evaluated_by_its_name(capsys, monkeypatch, tmp_path
     assert (tmp_path / "runs" / "knee" / "results.json").exists()
     for wrong, message in (
         (["--checkpoint", "c.zip"], "error: --checkpoint must be left out with the pretrained policy knee, got c.zip"),
-        (["--weight", "0.5"], "error: weight must not be set: Policy(StickSlipCrawler-v0, ppo, 8-32-32-2) was not"),
+        (["--weight", "0.5"], "error: weight must not be set: Policy(StickSlipCrawler-v0, ppo, 8-64-64-2) was not"),
     ):
         assert command(["evaluate", "knee", *wrong]) == 1
         assert capsys.readouterr().err.startswith(message)

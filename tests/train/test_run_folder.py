@@ -68,7 +68,7 @@ def test_a_configuration_keeps_arguments_of_its_own():
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"start": "ajar"}, ValueError, r"start must be one of \['even', 'open', 'shut'\], got 'ajar'"),
+        ({"start": "ajar"}, ValueError, r"start must be one of \['even', 'open', 'shut', 'policy'\], got 'ajar'"),
         ({"floor": -0.1}, ValueError, r"floor must be in \[0, inf\), got -0.1"),
         ({"seed": -1}, ValueError, r"seed must be a whole number in \[0, 4294967295\], got -1"),
         ({"seed": 2**32}, ValueError, r"seed must be a whole number in \[0, 4294967295\], got 4294967296"),

@@ -12,7 +12,7 @@ from policies_by_hand import negation
 from stickslip.reservoir.targets import TARGETS
 from stickslip.studies.trade import report
 from stickslip.studies.trade.figure import plot_front
-from stickslip.studies.trade.front import area, estimated, Front, fronts, gain, Point
+from stickslip.studies.trade.front import area, estimated, Evaluated, Front, fronts, gain, Point
 from stickslip.studies.trade.learned import Learned
 from stickslip.studies.trade.plan import Cell, CONDITIONED, JUDGED, LIMIT, OPEN_LOOP, Trade, TRAINED
 from stickslip.studies.trade.portrait import imitation, portrait
@@ -62,20 +62,27 @@ def test_of_several_trainings_their_own_evaluations_choose():
     """Not the seeds that judge: on those another may have been luckier."""
     fast, between, slow = a_front().policies
     lucky = point(TRAINED, "lucky", 0.9, 3.9, weight=0.2, seed=1)
-    front = a_front(policies=[replace(slow, evaluated=4.0), replace(between, evaluated=1.1), lucky, fast])
+    front = a_front(
+        policies=[replace(slow, evaluated=Evaluated(4.0)), replace(between, evaluated=Evaluated(1.1)), lucky, fast]
+    )
     assert [each.name for each in front.chosen] == ["fast", "between", "slow"]
     assert (front.knee.name, front.fastest.name) == ("between", "fast")
-    front = a_front(policies=[fast, between, slow, replace(lucky, evaluated=1.2)])
+    front = a_front(policies=[fast, between, slow, replace(lucky, evaluated=Evaluated(1.2))])
     assert [each.name for each in front.chosen] == ["fast", "lucky", "slow"]
+    # What none surpasses in both is chosen as well, whatever it earns.
+    unlucky = replace(lucky, evaluated=Evaluated(-1.0, 0.8, 3.0))
+    seen = [replace(each, evaluated=Evaluated(0.0, 0.7, 3.1)) for each in (fast, between, slow)]
+    assert unlucky in a_front(policies=[*seen, unlucky]).chosen
+    assert unlucky not in a_front(policies=[*seen, replace(fast, evaluated=Evaluated(0.0, 0.8, 3.1)), unlucky]).chosen
     above = [replace(each, weight=None, floor=0.3) for each in (between, lucky)]
-    chosen = a_front(policies=[fast, slow, above[0], replace(above[1], evaluated=0.1)]).chosen
+    chosen = a_front(policies=[fast, slow, above[0], replace(above[1], evaluated=Evaluated(0.1))]).chosen
     assert [each.name for each in chosen] == ["fast", "slow", "lucky"]
     assert front.fastest.name == "lucky"
     alone = "policies of one seed, least and most of 2"
     assert [each[0] for each in areas(front)] == ["", OPEN_LOOP, "policies", alone]
     # Of the second seed there is one policy; of the first there are three, of area 2.4. Open loop has 1.6.
     assert areas(front)[-1][1:] == ["2.40 to 3.51", "+50 to +119"]
-    assert "lucky" not in str(table(a_front(policies=[*a_front().policies, replace(lucky, evaluated=-1.0)])))
+    assert "lucky" not in str(table(a_front(policies=[*a_front().policies, replace(lucky, evaluated=Evaluated(-1.0))])))
     assert front.summary()["policies"]["hypervolume"]["mean"] == area(front.chosen).mean
 
 
@@ -118,7 +125,7 @@ def results(trade):
             weight = 0.9 if cell.weight is None else cell.weight
             speed = 0.8 - 0.5 * weight
             found[cell] = {
-                "evaluated": 10 * weight + (cell.seed or 0),
+                "evaluated": {"reward": 10 * weight + (cell.seed or 0), "speed": speed, "memory": weight},
                 "speeds": [speed, speed + 0.01],
                 "memories": [2 + weight, 2.1 + weight] if cell.dither else [0.0, 0.0],
                 "episodes": {"speeds": [speed, speed], "memories": [1.5, 1.5]},
@@ -142,9 +149,9 @@ def test_points_come_from_the_cells_of_their_dither():
     ]
     assert [(each.kind, each.name) for each in front.held] == [("held open", "1"), ("held shut", "0")]
     assert front.policies[1].mean == pytest.approx((0.555, 2.55))
-    assert [(each.floor, each.evaluated) for each in front.policies] == [(None, 0.0), (None, 5.0), (0.3, 9.0)]
+    assert [(each.floor, each.evaluated.reward) for each in front.policies] == [(None, 0.0), (None, 5.0), (0.3, 9.0)]
     assert [each.weight for each in front.losses()] == [0.5, 0.5]  # what has no weight has no reward to lose by
-    assert [row[1] for row in table(front) if row[0] == "policy seed 0"] == ["0", "0.5", "speed ≥ 0.3"]
+    assert [row[1] for row in table(front) if row[0] == "policy seed 0"] == ["0", "0.5", "floor 0.3"]
     assert front.speed_limit.mean == pytest.approx(0.845)
     assert Cell(JUDGED[TRAINED], 0.1, 0.5, 0).name == "judged-" + front.policies[1].name
 
