@@ -32,6 +32,8 @@ _BLOCKS = 20
 _ERRORS = 3.0
 # In e-folds over a whole run: less is no growth at all, and more is not none.
 _LEAST, _MOST = 0.1, 3.0
+# Two ends are of one motion within so much, once a contraction would have brought them nearer still.
+_APART, _TOGETHER = 1e-6, 1e-8
 _SHAPES = ("(holds,)", "(inputs, holds) or (rows, holds)", "(rows, inputs, holds)")
 
 
@@ -60,6 +62,9 @@ class LyapunovSpectrum:
         Mean divergence of the smooth motion, -2 Pi2 / (1 - r) while the foot sticks and -2 Pi2 / (r (1 - r)) while it
         slides; of a chain that of all its stretches and rates. What the sum of the exponents is beyond, is of the
         events; of an anchored crawler the two are equal.
+    attractors : int or (rows,) array of int
+        Different motions that the starts have come to under one input, the most of all inputs; 1 from one start. Only
+        ends that differ by more than 1e-6, though the first exponent would have brought them within 1e-8, count as two.
     blocks : (blocks, 2) or (rows, blocks, 2) array
         The exponents of each block, in no order: at least 20, equally long parts of the inputs.
     time : float or (rows,) array
@@ -73,6 +78,7 @@ class LyapunovSpectrum:
     foot_exponent: Any
     stops: Any
     divergence: Any
+    attractors: Any
     blocks: NDArray[np.float64]
     time: Any
     groups: Groups | tuple[Groups, ...]
@@ -88,18 +94,22 @@ class LyapunovSpectrum:
         """What the exponents say, str or (rows,) array of str.
 
         "chaotic" if the first exponent is above 0 by more than 3 standard errors; "contracting" if it is below 0 by as
-        much, and the foot's velocity is forgotten too; "neutral" if it is below 0 but the momentum keeps its changes,
+        much, and the foot's velocity is forgotten too; "multistable" if so, but several starts have come to different
+        motions, each of which contracts; "neutral" if it is below 0 but the momentum keeps its changes,
         or if it is 0 within so little that changes cannot have grown or shrunk by more than 3 e-folds in all of `time`;
         and "undecided" otherwise: a longer run tells.
         """
         first, time = self.exponents[..., 0], np.asarray(self.time)
         margin = np.maximum(_ERRORS * self.standard_error[..., 0], _LEAST / time)
         kept = np.asarray(self.foot_exponent) == 0.0
-        words = np.select(
-            [first > margin, (first < -margin) & ~kept, (first < -margin) | (np.abs(first) + margin <= _MOST / time)],
-            ["chaotic", "contracting", "neutral"],
-            "undecided",
-        )
+        forgets, steady = first < -margin, np.abs(first) + margin <= _MOST / time
+        cases = {
+            "multistable": forgets & ~kept & (np.asarray(self.attractors) > 1),
+            "contracting": forgets & ~kept,
+            "chaotic": first > margin,
+            "neutral": forgets | steady,
+        }
+        words = np.select(list(cases.values()), list(cases), "undecided")
         return str(words) if words.ndim == 0 else words
 
 
@@ -111,7 +121,7 @@ def lyapunov_spectrum(
     scene: Scene | Mapping[str, Any] | Sequence[Scene | Mapping[str, Any] | None] | None = None,
     tolerance: float = 1e-9,
     solver: str = "auto",
-    initial: State | ChainState | None = None,
+    initial: State | ChainState | Sequence[State | ChainState] | None = None,
     washout: int = 200,
     max_steps: int | None = None,
     threads: int | None = None,
@@ -134,8 +144,9 @@ def lyapunov_spectrum(
         As for `simulate`.
     tolerance : float, in [1e-15, 1e-2]
     solver : {"auto", "closed_form", "taylor", "radau"}
-    initial : State or ChainState, optional
-        At rest by default; the same for all.
+    initial : State or ChainState, or list of them, optional
+        At rest by default; the same for all. With a list each input is run from each start: exponents are means over
+        them, and `LyapunovSpectrum.attractors` tells whether they come to one motion.
     washout : int, >= 0
         Holds of each input, at its start, that are not measured; 2 at least must be left. In them the body comes to its
         attractor, and changes turn to the direction in which they grow most: some multiples of 1 / |exponent|.
@@ -163,19 +174,25 @@ def lyapunov_spectrum(
     if holds < 2:
         raise ValueError(f"valve must have at least 2 holds, got {holds}")
     washout = whole_number("washout", washout, 0, holds - 2)
+    begun: Any = [REST if initial is None else initial] if initial is None or isinstance(initial, tuple) else initial
+    if not isinstance(begun, Sequence) or not begun:
+        raise TypeError(f"initial must be a State, a ChainState or a list of them, got {initial!r}")
     for each in different(batch.scenes):
-        start = start_of(REST if initial is None else initial, each)
+        starts = [start_of(one, each) for one in begun]
     budget = most_steps(holds, batch.scenes[0].segments)
     if max_steps is not None:
         budget = whole_number("max_steps", max_steps, 1)
-    runs = _Runs(batch, inputs, start, washout, tolerance, solver, budget)
-    count = inputs.shape[1]
+    runs = _Runs(batch, inputs, starts, washout, tolerance, solver, budget)
+    count = inputs.shape[1] * len(starts)
     each_way = share(
         runs.blocks_of,
-        [(i, j) for i in range(len(batch.crawlers)) for j in range(count)],
+        [(i, *divmod(j, len(starts))) for i in range(len(batch.crawlers)) for j in range(count)],
         processors() if threads is None else whole_number("threads", threads, 1),
     )
-    found = [_spectrum(each_way[i * count : (i + 1) * count], batch.crawlers[i]) for i in range(len(batch.crawlers))]
+    found = [
+        _spectrum(each_way[i * count : (i + 1) * count], len(starts), crawler)
+        for i, crawler in enumerate(batch.crawlers)
+    ]
     if single:
         return found[0]
     names = [field.name for field in fields(LyapunovSpectrum) if field.name != "groups"]
@@ -206,6 +223,8 @@ class _Growth:
     divergence: float  # integral
     stops: int
     slid: bool  # whether the foot slides at the end
+    end: tuple[float, float]  # z and v there
+    whole: float  # natural time, the washout included
 
 
 class _Runs:
@@ -215,13 +234,13 @@ class _Runs:
         self,
         batch: Batch,
         inputs: NDArray[Any],
-        start: tuple[Body, NDArray[np.float64]],
+        starts: Sequence[tuple[Body, NDArray[np.float64]]],
         washout: int,
         tolerance: float,
         solver: str,
         budget: int,
     ) -> None:
-        self._batch, self._inputs, self._start, self._washout = batch, inputs, start, washout
+        self._batch, self._inputs, self._starts, self._washout = batch, inputs, starts, washout
         bodies, grounds, self._units = units_of(batch.crawlers, batch.scenes)
         self._columns = coefficients_of_each(bodies, grounds)
         self._solvers = choose_for_each(
@@ -229,16 +248,16 @@ class _Runs:
         )
         self._tolerance, self._budget = tolerance, budget
         measured = inputs.shape[2] - washout
-        blocks = min(measured, -(-_BLOCKS // inputs.shape[1]))
+        blocks = min(measured, -(-_BLOCKS // (inputs.shape[1] * len(starts))))
         self._ends = np.linspace(0, measured, blocks + 1).round().astype(np.int64)
 
-    def blocks_of(self, run: tuple[int, int], _over: Event) -> _Growth:
+    def blocks_of(self, run: tuple[int, ...], _over: Event) -> _Growth:
         """Do a run; return what changes of it did in each block."""
-        i, j = run
+        i, j, k = run
         batch, hold = self._batch, float(self._batch.holds[i])
         by = SOLVERS[NAMES[self._solvers[i]]]
         options = by.options(self._tolerance, tangents=True, max_steps=self._budget)
-        duties, (body, stretches) = self._inputs[i, j].astype(np.float64), self._start
+        duties, (body, stretches) = self._inputs[i, j].astype(np.float64), self._starts[k]
         if batch.chains[i]:
             groups, scene = batch.crawlers[i], batch.scenes[i]
             done = run_chain_growth(body, stretches, groups, scene, duties, self._washout, hold, options)
@@ -268,11 +287,13 @@ class _Runs:
             float(growth[2, -1]),
             int(growth[3, -1]),
             outcome.body.mode != STUCK,
+            (outcome.body.deformation, outcome.body.velocity),
+            self._inputs.shape[2] * hold,
         )
 
 
-def _spectrum(runs: Sequence[_Growth], groups: Groups) -> LyapunovSpectrum:
-    """Exponents of one crawler from its runs."""
+def _spectrum(runs: Sequence[_Growth], starts: int, groups: Groups) -> LyapunovSpectrum:
+    """Exponents of one crawler from its runs, those of one input from all starts together."""
     lengths, logarithms = (np.concatenate([getattr(run, name) for run in runs]) for name in ("lengths", "logarithms"))
     time = float(lengths.sum())
     vector, area = logarithms.sum(axis=0) / time
@@ -292,7 +313,22 @@ def _spectrum(runs: Sequence[_Growth], groups: Groups) -> LyapunovSpectrum:
         foot,
         stops,
         sum(run.divergence for run in runs) / time,
+        _attractors(runs, starts, vector),
         blocks[:, order],
         time,
         groups,
     )
+
+
+def _attractors(runs: Sequence[_Growth], starts: int, exponent: float) -> int:
+    """Most ends of the runs of one input that are apart, though the exponent would have brought them together."""
+    if math.exp(min(0.0, exponent * runs[0].whole)) > _TOGETHER:
+        return 1
+    most = 1
+    for first in range(0, len(runs), starts):
+        apart: list[tuple[float, float]] = []
+        for run in runs[first : first + starts]:
+            if all(math.dist(run.end, other) > _APART for other in apart):
+                apart.append(run.end)
+        most = max(most, len(apart))
+    return most

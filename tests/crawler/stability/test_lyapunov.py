@@ -184,6 +184,28 @@ def test_verdicts_tell_what_is_neutral():
     assert stuck.verdict == "contracting"
 
 
+def test_verdicts_tell_two_motions_under_one_input():
+    valve, starts = np.tile([0, 1], 150), [REST, State(2.0), State(-2.0, 1.0), State(1.0, -3.0)]
+    several = lyapunov_spectrum({"duffing": 0.15}, valve, 2.0, scene=ANCHORED, initial=starts, washout=100)
+    assert (several.attractors, several.verdict) == (2, "multistable")
+    ends = [
+        simulate({"duffing": 0.15}, valve, 2.0, scene=ANCHORED, initial=start).deformation[-1].round(6)
+        for start in starts
+    ]
+    assert len(set(ends)) == 2
+    one = lyapunov_spectrum({"duffing": 0.6}, valve, 2.0, scene=ANCHORED, initial=starts, washout=100)
+    assert (one.attractors, one.verdict) == (1, "contracting")
+    # What has had no time to come together is not told apart.
+    short = lyapunov_spectrum({"duffing": 0.6}, valve[:20], 2.0, scene=ANCHORED, initial=starts, washout=0)
+    assert short.attractors == 1
+    alone = [lyapunov_spectrum({"duffing": 0.15}, valve, 2.0, scene=ANCHORED, initial=start) for start in starts[:2]]
+    both = lyapunov_spectrum({"duffing": 0.15}, valve, 2.0, scene=ANCHORED, initial=starts[:2])
+    assert both.exponents.sum() == pytest.approx(np.mean([each.exponents.sum() for each in alone]), rel=1e-9)
+    rows = lyapunov_spectrum([{"duffing": 0.15}, {"duffing": 0.6}], valve, 2.0, scene=ANCHORED, initial=starts)
+    assert rows.verdict.tolist() == ["multistable", "contracting"]
+    assert rows[1].verdict == "contracting"
+
+
 def test_rows_are_what_each_is_alone_and_inputs_are_averaged():
     rows = [Groups(), Groups(duffing=3.0)]
     alone = [
@@ -244,6 +266,17 @@ def test_bad_input_is_refused_in_a_sentence(arguments, message):
     given = {"groups": Groups(), "valve": BITS[0], "hold": 0.5, **arguments}
     with pytest.raises(ValueError, match=message):
         lyapunov_spectrum(**given)
+
+
+@pytest.mark.parametrize("initial", [[], 3.0, (1.0, 2.0)])
+def test_what_is_no_start_is_refused(initial):
+    with pytest.raises(TypeError, match="initial must be a State"):
+        lyapunov_spectrum(Groups(), BITS[0], 0.5, initial=initial)
+
+
+def test_an_index_is_of_several():
+    with pytest.raises(TypeError, match="an index is of one crawler of several, got one alone"):
+        lyapunov_spectrum(Groups(), BITS[0, :60], 0.5, washout=10)[0]
 
 
 def test_a_run_that_fails_names_its_row_and_input():
