@@ -18,19 +18,21 @@ _TOLD = 3.0
 
 
 class Best(NamedTuple):
-    """The cell where a measure is largest, chosen by one half of the seeds and judged by the other."""
+    """The cell where a measure is largest, each half of the seeds judging what the other half has chosen."""
 
     cell: tuple[int, ...]
+    """Chosen by all seeds."""
     judged: Array
-    """(seeds,): what the cell comes to on the seeds that did not choose it."""
+    """(seeds,): what the choice of the other half comes to on each seed."""
     estimate: Estimate
     """Mean of these, without the luck of the choice."""
 
 
 def best_cell(values: Array, among: Cells | None = None, *, least: float | None = 0.0) -> Best | None:
-    """The cell of the largest mean over every other seed, judged by the rest.
+    """The cell of the largest mean, and what it is worth.
 
-    The largest of many means is one of the luckiest too; seeds that did not choose it tell what it is worth.
+    The largest of many means is one of the luckiest too. So every other seed chooses a cell that the rest judge, and
+    the other way round.
 
     Parameters
     ----------
@@ -46,19 +48,23 @@ def best_cell(values: Array, among: Cells | None = None, *, least: float | None 
     Best or None
         None if there is no cell to choose from.
     """
-    choosing = values[..., ::2].mean(axis=-1)
-    allowed = np.isfinite(choosing) if among is None else among & np.isfinite(choosing)
+    allowed = np.isfinite(values).all(axis=-1) & (True if among is None else among)
     if not allowed.any():
         return None
-    place = np.unravel_index(int(np.where(allowed, choosing, -np.inf).argmax()), choosing.shape)
-    cell = tuple(int(each) for each in place)
-    judged = values[cell][1::2]
-    return Best(cell, judged, mean_over_runs(judged, bounds=None if least is None else (least, np.inf)))
+
+    def chosen(by: Array) -> tuple[int, ...]:
+        place = int(np.where(allowed, by.mean(axis=-1), -np.inf).argmax())
+        return tuple(int(each) for each in np.unravel_index(place, allowed.shape))
+
+    judged = np.empty(values.shape[-1])
+    for half in (0, 1):
+        judged[1 - half :: 2] = values[chosen(values[..., half::2])][1 - half :: 2]
+    return Best(chosen(values), judged, mean_over_runs(judged, bounds=None if least is None else (least, np.inf)))
 
 
 def difference(one: Best, other: Best) -> Estimate:
-    """How much more one cell comes to than another, on the same seeds; 0 exactly if they are one."""
-    if one.cell == other.cell:
+    """How much more one choice comes to than another, on the same seeds; 0 exactly if they are one."""
+    if np.array_equal(one.judged, other.judged):
         return Estimate(0.0, 0.0, 0.0, len(one.judged))
     return mean_over_runs(one.judged - other.judged)
 

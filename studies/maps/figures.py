@@ -31,6 +31,7 @@ _OF_COLUMN: dict[str, Any] = {"marker": "o", "ms": 3.2, **_WHITE}
 _OF_ALL: dict[str, Any] = {"marker": "*", "ms": 12, **_WHITE}
 _UNITS = {
     "t_c": "$t_c$",
+    "z_c": "$z_c$",
     "1 / t_c": "$1 / t_c$",
     "z_c / t_c": "$z_c / t_c$",
     "P_max A_0": r"$P_{\max} A_0$",

@@ -67,7 +67,7 @@ class Driven:
         """What is read of the bodies, a row a hold: (n, holds, features)."""
         return self.bodies[0].read(self.motion)
 
-    def driven(self, by: Callable[..., Any], **asked: Any) -> Any:
+    def told_by(self, by: Callable[..., Any], **asked: Any) -> Any:
         """What a function of the arguments of `simulate` says of the same crawlers and valves."""
         return by(
             [body.groups for body in self.bodies],
@@ -160,7 +160,7 @@ def _capacity(driven: Driven) -> dict[str, Array]:
 
 
 def _start(driven: Driven) -> dict[str, Array]:
-    again = driven.driven(simulate, initial=_OTHER_START)
+    again = driven.told_by(simulate, initial=_OTHER_START)
     nodes = driven.motion.deformation.shape[-1] // driven.valve.shape[1]
     last = slice(-max(1, driven.valve.shape[1] // 10), None)
     difference, spread = [], []
@@ -173,7 +173,7 @@ def _start(driven: Driven) -> dict[str, Array]:
 
 
 def _lyapunov(driven: Driven) -> dict[str, Array]:
-    found: LyapunovSpectrum = driven.driven(lyapunov_spectrum, washout=driven.washout)
+    found: LyapunovSpectrum = driven.told_by(lyapunov_spectrum, washout=driven.washout)
     first, second = found.exponents.T
     return {"lyapunov": first, "lyapunov_2": second, "lyapunov_standard_error": found.standard_error[:, 0]}
 

@@ -75,6 +75,7 @@ def in_si(found: xr.Dataset, actuator: Actuator) -> xr.Dataset:
     scales = actuator.scales
     units = {
         "t_c": (scales.time, "s"),
+        "z_c": (scales.length, "m"),
         "1 / t_c": (1.0 / scales.time, "1 / s"),
         "z_c / t_c": (scales.length / scales.time, "m / s"),
         "P_max A_0": (scales.force, "N"),

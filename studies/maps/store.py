@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
@@ -138,7 +139,10 @@ class MapStore:
         for along in {each.along for each in plan.variables.values() if each.along}:
             coordinates[along] = (along, list(plan.points[along]), {"units": "holds"} if along == "delay" else {})
         whole = self._xarray.Dataset(data, coordinates, {_SETTINGS: json.dumps(settings)})
-        whole.to_zarr(store, mode="w-", encoding=encoding, consolidated=False, zarr_format=_FORMAT)
+        with warnings.catch_warnings():
+            # What xarray looks for, and says so where it is missing, though the format does not have it yet.
+            warnings.filterwarnings("ignore", message="Consolidated metadata is currently not part")
+            whole.to_zarr(store, mode="w-", encoding=encoding, consolidated=True, zarr_format=_FORMAT)
 
 
 def _attributes(name: str) -> dict[str, str]:

@@ -38,11 +38,13 @@ def of_readout_penalty(script, results):
 
 TABLES = {
     "condition_cost": lambda script, results: {"condition": script.table(results["ratios"])},
+    "edge": lambda script, results: script.tables(results),
     "encodings": lambda script, results: {"encodings": script.markdown(results["rows"])},
     "exponents": lambda script, results: script.tables(results),
     "extremes": lambda script, results: {"extremes": script.table(results)},
     "front": lambda script, results: script.tables(results),
     "front_targets": lambda script, results: script.tables(results),
+    "map_speed": lambda script, results: script.tables(results),
     "memory_reward": of_memory_reward,
     "peers": lambda script, results: {
         "peers": script.goals_table(results["at equal error"]),

@@ -24,7 +24,7 @@ def test_a_map_is_made_drawn_and_gone_on_with(capsys, tmp_path):
     asked = {"seeds": 2, "holds": 160, "washout": 40, "delays": 4, "hold": 1.0, "inputs": "bernoulli:0.4"}
     own = {"groups": {"damping_ratio": 0.1}, "scene": {"slope": 0.02}, "virtual_nodes": 2, "tolerance": 1e-7}
     found = parameter_map("duffing=0.5,2", "deborah=0.3:1.2:3:log", measures=["memory", "speed"], **asked, **own)
-    kept = xr.open_zarr(tmp_path / "map" / "map.zarr", consolidated=False)
+    kept = xr.open_zarr(tmp_path / "map" / "map.zarr")
     xr.testing.assert_equal(kept[["memory", "speed", "status"]], found[["memory", "speed", "status"]])
     most = found.memory.mean("seed")
     assert f"{float(most.max()):.3g} [" in told[0]

@@ -5,6 +5,8 @@ import pytest
 import xarray as xr
 from matplotlib.colors import CenteredNorm
 
+from stickslip import Actuator
+from stickslip.studies.maps import in_si
 from stickslip.studies.maps.figures import plot_map
 
 DUFFING, DEBORAH = np.linspace(0.0, 200.0, 5), np.geomspace(0.1, 10.0, 3)
@@ -70,3 +72,14 @@ def test_over_one_number_a_band_is_drawn_and_where_the_exponent_changes_its_sign
 def test_what_is_not_in_a_map_is_not_drawn():
     with pytest.raises(ValueError, match=r"names must be of \['lyapunov', .*\], got 'wisdom'"):
         plot_map(made(), ["wisdom"])
+
+
+def test_an_axis_in_si_says_so():
+    found = made().isel(deborah=1).rename(duffing="hold")
+    found.hold.attrs.update(units="t_c", long_name="hold")
+    actuator = Actuator.ecoflex()
+    [ax] = plot_map(found, ["lyapunov"]).axes
+    assert ax.get_xlabel() == "hold ($t_c$)"
+    [ax] = plot_map(in_si(found, actuator), ["lyapunov"]).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("hold (s)", "largest exponent (1 / s)")
+    np.testing.assert_allclose(ax.lines[0].get_xdata(), DUFFING * actuator.scales.time)

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -139,7 +140,8 @@ def test_a_map_that_was_broken_off_is_the_one_that_was_not_and_nothing_is_done_t
     xr.testing.assert_identical(parameter_map(X, Y, store=store, **asked), whole)
     assert len(jobs) == 2
     assert [file.name for file in store.parent.iterdir()] == ["map.zarr"]
-    opened = xr.open_zarr(store, consolidated=False)
+    with warnings.catch_warnings(action="error"):
+        opened = xr.open_zarr(store)
     assert opened.memory.attrs == {"long_name": "memory capacity", "units": "1", "valid_min": 0.0}
     assert opened.deborah.attrs == {"long_name": "deborah", "units": "1", "symbol": "Pi4"}
 
