@@ -15,7 +15,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
-__all__ = ["exp", "fma", "repeated", "sum_of_products", "unrolled", "unrolled_in_lanes", "where"]
+__all__ = ["Series", "exp", "fma", "repeated", "sum_of_products", "unrolled", "unrolled_in_lanes", "where"]
 
 _DOUBLE = ir.DoubleType()
 _INTEGER = ir.IntType(64)
@@ -41,8 +41,10 @@ class Traced:
         self.builder = builder
         self.value = value
 
-    def _with(self, instruction: str, *others: Any) -> "Traced":
-        return Traced(self.builder, getattr(self.builder, instruction)(*self._alike(self, *others)))
+    def _with(self, instruction: str, other: Any) -> "Traced":
+        if isinstance(other, Series):
+            return NotImplemented
+        return Traced(self.builder, getattr(self.builder, instruction)(*self._alike(self, other)))
 
     def _alike(self, *numbers: Any) -> list[ir.Value]:
         """Values of numbers, repeated where one of them is a vector."""
@@ -320,6 +322,32 @@ def repeated(builder: ir.IRBuilder, scalar: ir.Value, count: int) -> ir.Value:
 
 def _constants(numbers: Sequence[float]) -> ir.Constant:
     return ir.Constant(ir.VectorType(_DOUBLE, len(numbers)), [ir.Constant(_DOUBLE, float(each)) for each in numbers])
+
+
+class Series(list[Any]):
+    """A power series cut off after as many terms as it has: a number whose product is Cauchy's rule.
+
+    Others in its arithmetic are numbers, or series of as many terms.
+    """
+
+    def __add__(self, other: Any) -> "Series":
+        if isinstance(other, Series):
+            return Series(x + y for x, y in zip(self, other, strict=True))
+        return Series([self[0] + other, *self[1:]])
+
+    def __sub__(self, other: Any) -> "Series":
+        return self + other * -1.0
+
+    def __mul__(self, other: Any) -> "Series":
+        if isinstance(other, Series):
+            return Series(sum_of_products(self[: n + 1], other[n::-1]) for n in range(len(self)))
+        return Series(each * other for each in self)
+
+    def __radd__(self, other: Any) -> "Series":
+        return self + other
+
+    def __rmul__(self, other: Any) -> "Series":
+        return self * other
 
 
 class Row:

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.sharing import share
+from .batch.alone import UNFINISHED
 from .batch.driving import drive_in_lanes
-from .batch.lane_runs import blank_log, Log, Runs
+from .batch.lane_runs import blank_log, blank_runs, Log, Runs
 from .model.columns import coefficients_of_each, coefficients_of_one, units_of
 from .model.groups import Groups
 from .model.scene import Scene
-from .model.state import Body, Coefficients, Ledger
+from .model.state import Body, Coefficients
 from .motion.balance import Store, store_between, stored_by_crawler
 from .runs import run_chain, run_crawler
 from .solvers import choose_for_each, NAMES, SOLVERS
@@ -23,8 +24,6 @@ from .steps.options import FINISHED, MAX_STEPS, STEPS_A_HOLD
 
 __all__ = ["UNFINISHED", "Batch", "Driven", "drive_batch", "most_steps"]
 
-# A run that was left out since one before it has failed.
-UNFINISHED = -1
 # The budget is one of work: a chain of many segments may take fewer steps.
 _SEGMENTS_A_STEP = 10
 _MOST_STEPS = int(np.iinfo(np.int64).max)
@@ -143,19 +142,8 @@ def _runs(batch: Batch, body: Body, samples_per_hold: int, max_steps: int | None
         raise ValueError(
             f"samples_per_hold must leave the samples of {schedules} room in memory, got {samples_per_hold}"
         ) from None
-    return Runs(
-        bodies,
-        np.empty((len(Coefficients._fields), count)),
-        batch.holds,
-        np.full(count, min(max_steps, _MOST_STEPS), np.int64),
-        samples,
-        np.zeros((len(Ledger._fields), count)),
-        np.full(count, UNFINISHED, np.int8),
-        np.zeros(count),
-        np.zeros(count, np.int64),
-        np.zeros(count, np.int64),
-        np.zeros(count, np.int64),
-    )
+    coefficients = np.empty((len(Coefficients._fields), count))
+    return blank_runs(bodies, coefficients, batch.holds, samples, min(max_steps, _MOST_STEPS))
 
 
 def _to_units_of_groups(runs: Runs, logs: list[Log], units: NDArray[np.float64], together: NDArray[np.bool_]) -> None:

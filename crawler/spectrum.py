@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from itertools import product
 from threading import Event
 from typing import Any
 
@@ -14,11 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.sharing import processors, share
 from ..common.validation import number_within, whole_number
 from .arguments import batch_of, schedule_of, start_of, TOLERANCES
+from .batch.driving import grow_in_lanes
+from .batch.lane_runs import blank_runs
 from .batch_simulation import Batch, most_steps
 from .model.columns import coefficients_of_each, coefficients_of_one, different, units_of
 from .model.groups import Groups, GroupsLike
 from .model.scene import Scene
 from .model.state import Body, ChainState, REST, State, STUCK
+from .motion.sampling import BODY_ROWS
 from .refusals import solver_error, SolverError
 from .runs import run_chain_growth, run_growth
 from .solvers import AUTO, choose_for_each, NAMES, SOLVERS
@@ -34,6 +38,9 @@ _ERRORS = 3.0
 _LEAST, _MOST = 0.1, 3.0
 # Two ends are of one motion within so much, once a contraction would have brought them nearer still.
 _APART, _TOGETHER = 1e-6, 1e-8
+# Runs in lanes between which Python holds what came of them.
+_AT_ONCE = 1024
+_TAYLOR = NAMES.index("taylor")
 _SHAPES = ("(holds,)", "(inputs, holds) or (rows, holds)", "(rows, inputs, holds)")
 
 
@@ -184,11 +191,7 @@ def lyapunov_spectrum(
         budget = whole_number("max_steps", max_steps, 1)
     runs = _Runs(batch, inputs, starts, washout, tolerance, solver, budget)
     count = inputs.shape[1] * len(starts)
-    each_way = share(
-        runs.blocks_of,
-        [(i, *divmod(j, len(starts))) for i in range(len(batch.crawlers)) for j in range(count)],
-        processors() if threads is None else whole_number("threads", threads, 1),
-    )
+    each_way = runs.all(processors() if threads is None else whole_number("threads", threads, 1))
     found = [
         _spectrum(each_way[i * count : (i + 1) * count], len(starts), crawler)
         for i, crawler in enumerate(batch.crawlers)
@@ -215,7 +218,7 @@ def _rows(groups: Any, valve: ArrayLike, hold: Any, scene: Any) -> tuple[Batch, 
 
 
 @dataclass(frozen=True)
-class _Growth:
+class _Measured:
     """What was measured of one run."""
 
     lengths: NDArray[np.float64]  # (blocks,): natural time
@@ -251,8 +254,40 @@ class _Runs:
         blocks = min(measured, -(-_BLOCKS // (inputs.shape[1] * len(starts))))
         self._ends = np.linspace(0, measured, blocks + 1).round().astype(np.int64)
 
-    def blocks_of(self, run: tuple[int, ...], _over: Event) -> _Growth:
-        """Do a run; return what changes of it did in each block."""
+    def all(self, threads: int) -> list[_Measured]:
+        """Do all runs; return what changes did in each, those of a row side by side, and of these those of an input."""
+        rows, inputs, _ = self._inputs.shape
+        every = list(product(range(rows), range(inputs), range(len(self._starts))))
+        in_lanes = (self._solvers == _TAYLOR) & ~self._batch.chains
+        together = [run for run in every if in_lanes[run[0]]]
+        apart = [run for run in every if not in_lanes[run[0]]]
+        found: dict[tuple[int, int, int], _Measured] = {}
+        for first in range(0, len(together), _AT_ONCE):
+            some = together[first : first + _AT_ONCE]
+            found |= zip(some, self._in_lanes(some, threads), strict=True)
+        found |= zip(apart, share(self._alone, apart, threads), strict=True)
+        return [found[run] for run in every]
+
+    def _in_lanes(self, which: Sequence[tuple[int, int, int]], threads: int) -> list[_Measured]:
+        """Do some runs by Taylor series."""
+        i, j, start = np.array(which).T
+        units = self._units[i]
+        bodies, columns = np.empty((len(Body._fields), len(which))), np.empty((len(self._columns), len(which)))
+        bodies.T[:] = np.array([body for body, _ in self._starts], np.float64)[start]
+        bodies[[1, 4]] *= units
+        none = np.empty((len(which), BODY_ROWS, 0))
+        columns[:] = self._columns[:, i]
+        runs = blank_runs(bodies, columns, self._batch.holds[i] / units, none, self._budget)
+        options = SOLVERS["taylor"].options(self._tolerance)
+        grown = grow_in_lanes(runs, self._inputs[i, j], self._washout, self._ends[1:], options, threads)
+        ended = [Body(z, v, p, x, w, int(mode), int(slips)) for z, v, p, x, w, mode, slips in bodies.T.tolist()]
+        for k in np.flatnonzero(runs.statuses > FINISHED)[:1].tolist():
+            time = runs.finished[k] * self._batch.holds[i[k]] + runs.elapsed[k] * units[k]
+            self._refuse(which[k], int(runs.statuses[k]), float(time), int(runs.steps[k]), ended[k])
+        return [self._measured(*each) for each in zip(i.tolist(), grown, ended, strict=True)]
+
+    def _alone(self, run: tuple[int, int, int], _over: Event) -> _Measured:
+        """Do a run of another kind."""
         i, j, k = run
         batch, hold = self._batch, float(self._batch.holds[i])
         by = SOLVERS[NAMES[self._solvers[i]]]
@@ -266,33 +301,33 @@ class _Runs:
             done = run_growth(body, coefficients, unit, duties, self._washout, hold, options, by)
         outcome, finished, growth = done
         if outcome.status != FINISHED:
-            time, slips = finished * hold + outcome.elapsed, outcome.body.slips
-            error = solver_error(
-                outcome.status,
-                time,
-                outcome.body.deformation,
-                outcome.steps,
-                batch.crawlers[i],
-                batch.scenes[i],
-                self._tolerance,
-                by.name,
-                slips,
-            )
-            names = [f"crawler {i}"] * (len(batch.crawlers) > 1) + [f"input {j}"] * (self._inputs.shape[1] > 1)
-            raise SolverError(": ".join([", ".join(names), str(error)] if names else [str(error)]))
-        growth = np.hstack([np.zeros((len(growth), 1)), growth])
-        return _Growth(
+            self._refuse(run, outcome.status, finished * hold + outcome.elapsed, outcome.steps, outcome.body)
+        return self._measured(i, growth[:, self._ends[1:] - 1], outcome.body)
+
+    def _measured(self, i: int, grown: NDArray[np.float64], ended: Body) -> _Measured:
+        """Of row i, from what `note_growth` noted at the ends of the blocks, and the body at the end."""
+        hold = float(self._batch.holds[i])
+        return _Measured(
             np.diff(self._ends) * hold,
-            np.diff(growth[:2, self._ends]).T,
-            float(growth[2, -1]),
-            int(growth[3, -1]),
-            outcome.body.mode != STUCK,
-            (outcome.body.deformation, outcome.body.velocity),
+            np.diff(np.hstack([np.zeros((2, 1)), grown[:2]])).T,
+            float(grown[2, -1]),
+            int(grown[3, -1]),
+            ended.mode != STUCK,
+            (ended.deformation, ended.velocity),
             self._inputs.shape[2] * hold,
         )
 
+    def _refuse(self, run: tuple[int, int, int], status: int, time: float, steps: int, body: Body) -> None:
+        """Say why a run has failed."""
+        i, j, _ = run
+        batch, by = self._batch, NAMES[self._solvers[i]]
+        crawler = batch.crawlers[i], batch.scenes[i]
+        error = solver_error(status, time, body.deformation, steps, *crawler, self._tolerance, by, body.slips)
+        names = [f"crawler {i}"] * (len(batch.crawlers) > 1) + [f"input {j}"] * (self._inputs.shape[1] > 1)
+        raise SolverError(": ".join([", ".join(names), str(error)] if names else [str(error)]))
 
-def _spectrum(runs: Sequence[_Growth], starts: int, groups: Groups) -> LyapunovSpectrum:
+
+def _spectrum(runs: Sequence[_Measured], starts: int, groups: Groups) -> LyapunovSpectrum:
     """Exponents of one crawler from its runs, those of one input from all starts together."""
     lengths, logarithms = (np.concatenate([getattr(run, name) for run in runs]) for name in ("lengths", "logarithms"))
     time = float(lengths.sum())
@@ -320,7 +355,7 @@ def _spectrum(runs: Sequence[_Growth], starts: int, groups: Groups) -> LyapunovS
     )
 
 
-def _attractors(runs: Sequence[_Growth], starts: int, exponent: float) -> int:
+def _attractors(runs: Sequence[_Measured], starts: int, exponent: float) -> int:
     """Most ends of the runs of one input that are apart, though the exponent would have brought them together."""
     if math.exp(min(0.0, exponent * runs[0].whole)) > _TOGETHER:
         return 1

@@ -32,7 +32,7 @@ __all__ = ["UNFINISHED", "load_crawler", "step_alone", "turn_valve"]
 
 _BODY = len(Body._fields)
 _COEFFICIENTS = len(Coefficients._fields)
-UNFINISHED = -1
+UNFINISHED = -1  # a run that was left out, too, since one before it has failed
 
 
 @compiled

@@ -15,7 +15,17 @@ from ..model.state import Body, Ledger
 from ..motion.progress import stretch_at
 from ..motion.sampling import moment_of
 from ..steps.options import DIVERGED, FINISHED, Options, OUT_OF_STEPS, SAMPLES_A_STEP
-from .alone import load_crawler, step_alone, turn_valve
+from .alone import load_crawler, step_alone, turn_valve, UNFINISHED
+from .growth import (
+    grow_alone,
+    grow_lanes,
+    Growth,
+    load_changes,
+    note_alone,
+    rescale_alone,
+    saltate_alone,
+    write_changes,
+)
 from .step import (
     account_lanes,
     DONE,
@@ -42,6 +52,7 @@ __all__ = [
     "Log",
     "Runs",
     "blank_log",
+    "blank_runs",
     "go_on_in_lanes",
     "write_in_order",
 ]
@@ -69,6 +80,30 @@ class Runs(NamedTuple):
     finished: NDArray[np.int64]  # (n,): holds
     steps: NDArray[np.int64]  # (n,)
     events: NDArray[np.int64]  # (n,): how many
+
+
+def blank_runs(
+    bodies: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    holds: NDArray[np.float64],
+    samples: NDArray[np.float64],
+    budget: int,
+) -> Runs:
+    """Runs that have not begun, each of which may take as many steps."""
+    count = len(holds)
+    return Runs(
+        bodies,
+        coefficients,
+        holds,
+        np.full(count, budget, np.int64),
+        samples,
+        np.zeros((_LEDGER, count)),
+        np.full(count, UNFINISHED, np.int8),
+        np.zeros(count),
+        np.zeros(count, np.int64),
+        np.zeros(count, np.int64),
+        np.zeros(count, np.int64),
+    )
 
 
 class Log(NamedTuple):
@@ -105,6 +140,7 @@ def go_on_in_lanes(
     log: Log,
     lanes: NDArray[np.float64],
     series: NDArray[np.float64],
+    growth: Growth | None,
 ) -> None:
     """Drive crawlers through their schedules, by Taylor series, until the next pause.
 
@@ -119,13 +155,15 @@ def go_on_in_lanes(
         Duty cycles of each in the queue.
     runs : Runs
     options : Options
-        Events are logged, and energies kept if `options.energy`. Budgets are those of `runs`.
+        Events are logged if `options.log`, and energies kept if `options.energy`. Budgets are those of `runs`.
     log : Log
         Of LANES events at least; written from the first on after each pause.
     lanes : (LANE_ROWS, COLUMNS, LANES) array
         Scratch that the next call goes on with.
     series : (ROWS, WIDTH) array
         Scratch.
+    growth : Growth or None
+        Small changes of the crawlers, if they are to be carried along.
     """
     count = runs.samples.shape[2] // schedule.shape[1]
     control, places = state[0], state[1:]
@@ -135,7 +173,7 @@ def go_on_in_lanes(
         for lane in range(LANES):
             # Without enough crawlers the lanes left over idle on the first.
             control[ACTIVE] |= (lane < len(queue)) << lane
-            _enter(lane if lane < len(queue) else 0, traffic, lane)
+            _enter(lane if lane < len(queue) else 0, traffic, lane, growth)
         control[QUEUED] = min(LANES, len(queue))
     left = control[CALL]
     while control[ACTIVE] != 0 and left > 0 and control[LOGGED] + LANES <= len(log.times):
@@ -145,7 +183,7 @@ def go_on_in_lanes(
         rough = active & ~calm
         last &= active & calm
         due &= active & calm
-        lost = 0
+        lost = turned = 0
         for lane in range(LANES):
             if (rough >> lane) & 1:
                 mode = lanes[STATE, MOTION, lane]
@@ -154,7 +192,8 @@ def go_on_in_lanes(
                 lost |= (status == DIVERGED) << lane
                 moment = moment_of(lanes[SAMPLING, DONE, lane], count, lanes[HOLD, SPAN, lane])
                 due |= (moment <= lanes[SAMPLING, REACHED, lane]) << lane
-                if lanes[STATE, MOTION, lane] != mode:
+                turned |= (lanes[STATE, MOTION, lane] != mode) << lane
+                if options.log and (turned >> lane) & 1:
                     _write_event(traffic, lane, log)
         sampled = 0
         while due:
@@ -170,6 +209,8 @@ def go_on_in_lanes(
         left -= sampled // SAMPLES_A_STEP
         if options.energy:
             account_lanes(options.method, (), lanes)
+        if growth is not None:
+            _grow(options, active & ~lost, turned, traffic, series)
         spent = 0
         for lane in range(LANES):
             places[STEPS, lane] += 1
@@ -178,11 +219,28 @@ def go_on_in_lanes(
             if ((active & (last | lost | spent)) >> lane) & 1:
                 reached = (last >> lane) & 1 == 1
                 status = DIVERGED if (lost >> lane) & 1 else FINISHED
-                _go_on(reached, status, traffic, lane)
+                _go_on(reached, status, traffic, lane, growth)
+
+
+@compiled
+def _grow(options: Options, moved: int, turned: int, traffic: _Traffic, series: NDArray[np.float64]) -> None:
+    """Carry the changes of the lanes that have moved over their steps, and over the events that ended some of these."""
+    lanes, places = traffic.lanes, traffic.places
+    sound, handy = grow_lanes(options.method, (options.tolerance,), lanes)
+    alone = moved & ~(sound & handy & ~turned)
+    for lane in range(LANES):
+        if (alone >> lane) & 1:
+            if not (sound >> lane) & 1:
+                grow_alone(options.order, lanes, lane, series)
+            elif not (handy >> lane) & 1:
+                rescale_alone(lanes, lane)
+            if (turned >> lane) & 1:
+                time = places[STRETCH, lane] // 2 * lanes[HOLD, SPAN, lane] + lanes[STATE, ELAPSED, lane]
+                saltate_alone(time, lanes, lane)
 
 
 @inlined
-def _go_on(reached: bool, status: int, traffic: _Traffic, lane: int) -> None:
+def _go_on(reached: bool, status: int, traffic: _Traffic, lane: int, growth: Growth | None) -> None:
     """After a step: let the valve turn if its time is `reached`, and the next crawler enter if this one has ended."""
     runs, lanes, control, places = traffic.runs, traffic.lanes, traffic.control, traffic.places
     i, duties = traffic.queue[places[PLACE, lane]], traffic.schedule[places[PLACE, lane]]
@@ -190,6 +248,10 @@ def _go_on(reached: bool, status: int, traffic: _Traffic, lane: int) -> None:
     stretch = places[STRETCH, lane]
     if reached:
         stretch = _next_stretch(stretch + 1, duties, runs.holds[i])
+        if growth is not None and stretch // 2 > places[STRETCH, lane] // 2:
+            mark = growth.marks[places[STRETCH, lane] // 2]
+            if mark >= 0:
+                note_alone(lanes, lane, growth.grown[i, :, mark])
         if stretch < 2 * len(duties):
             if stretch // 2 > places[STRETCH, lane] // 2:
                 lanes[SAMPLING, DONE, lane] = 0.0
@@ -205,25 +267,29 @@ def _go_on(reached: bool, status: int, traffic: _Traffic, lane: int) -> None:
         runs.bodies[row, i] = lanes[STATE, row, lane]
     for row in range(_LEDGER):
         runs.ledgers[row, i] = lanes[LEDGER, row, lane]
+    if growth is not None:
+        write_changes(lanes, lane, growth.changes[i])
     runs.statuses[i] = status
     runs.elapsed[i] = lanes[STATE, ELAPSED, lane]
     runs.finished[i] = stretch // 2
     runs.steps[i] = places[STEPS, lane]
     if control[QUEUED] < control[ADMITTED]:
-        _enter(control[QUEUED], traffic, lane)
+        _enter(control[QUEUED], traffic, lane, growth)
         control[QUEUED] += 1
     else:
         control[ACTIVE] &= ~(1 << lane)
 
 
 @compiled
-def _enter(place: int, traffic: _Traffic, lane: int) -> None:
+def _enter(place: int, traffic: _Traffic, lane: int, growth: Growth | None) -> None:
     """Let a crawler of the queue enter a lane."""
     runs, lanes, places = traffic.runs, traffic.lanes, traffic.places
     i, duties = traffic.queue[place], traffic.schedule[place]
     load_crawler(i, runs.bodies, runs.coefficients, runs.holds[i], lanes, lane)
     for row in range(_LEDGER):
         lanes[LEDGER, row, lane] = 0.0
+    if growth is not None:
+        load_changes(growth.changes[i], lanes, lane)
     stretch = _next_stretch(0, duties, runs.holds[i])
     places[PLACE, lane], places[STRETCH, lane] = place, stretch
     places[STEPS, lane], places[BUDGET, lane] = 0, runs.budgets[i]

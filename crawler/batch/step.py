@@ -18,7 +18,7 @@ from ..motion.events import is_quiet
 from ..motion.sampling import is_near, moment_of
 from ..steps.taylor import is_sound
 from ..steps.taylor_series import energy_nodes, step, step_inputs, value
-from ..steps.workspace import END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, WIDTH, Z
+from ..steps.workspace import CHANGES, END_FORCE, END_V, END_Z, FORCE, LENGTH, STEP, V, WIDTH, Z
 
 __all__ = [
     "BEFORE",
@@ -41,9 +41,11 @@ __all__ = [
     "SLIPS",
     "SPAN",
     "STATE",
+    "TANGENTS",
     "TURNED",
     "VALVE",
     "account_lanes",
+    "lane_of",
     "sample_lanes",
     "step_lanes",
     "whole_sample_lanes",
@@ -53,15 +55,16 @@ COLUMNS = WIDTH
 # Their numbers lie in registers.
 _TIMES_AT_ONCE = 4
 # Rows of the lanes' array after Z, V, (P) and FORCE.
-STATE, HOLD, COEFFICIENTS, SAMPLING, SAMPLE, END, BEFORE, LEDGER = range(STEP + 1, STEP + 9)
-LANE_ROWS = STEP + 9
+STATE, HOLD, COEFFICIENTS, SAMPLING, SAMPLE, END, BEFORE, LEDGER, TANGENTS = range(STEP + 1, STEP + 10)
+LANE_ROWS = TANGENTS + CHANGES
 # Columns of the row STATE: the fields of `Body`, and the time into the hold.
 MOTION, SLIPS, ELAPSED = 5, 6, 7
 # Columns of the row HOLD: the pressure when the valve turned, its state, which crawler this is, the length of the
 # hold, and the times into it between which the valve stays.
 OPENING, VALVE, CRAWLER, SPAN, TURNED, CLOSE = range(6)
 # Columns of the row SAMPLING: samples taken, and the times at which the step began and ended. The row BEFORE has the
-# fields of `Body` at the step's start, the row LEDGER those of `Ledger`.
+# fields of `Body` at the step's start, the row LEDGER those of `Ledger`; the rows from TANGENTS on are the tangents' of
+# `stability.lyapunov`.
 DONE, BEGIN, REACHED = range(3)
 
 
@@ -71,7 +74,7 @@ def _step(order: int, rows: Any, tolerance: Any, count: Any) -> tuple[dict[int, 
     Truths: the lanes that have taken it, those that reach the next turn of their valve if they have, those with samples
     on the way, and those whose series can be trusted to the end of the step.
     """
-    body, coefficients = _lane(rows, STATE)
+    body, coefficients = lane_of(rows, STATE)
     elapsed = rows[STATE][ELAPSED]
     valve, hold, turned, close = (rows[HOLD][column] for column in (VALVE, SPAN, TURNED, CLOSE))
     remaining = close - elapsed
@@ -106,7 +109,7 @@ def _sampled(order: int, rows: Any, count: Any) -> tuple[Any, ...]:
 
     Last comes the truth: the lanes with yet another.
     """
-    body, coefficients = _lane(rows, BEFORE)
+    body, coefficients = lane_of(rows, BEFORE)
     done, begin, reached = (rows[SAMPLING][column] for column in (DONE, BEGIN, REACHED))
     valve, hold, turned = (rows[HOLD][column] for column in (VALVE, SPAN, TURNED))
     moment = moment_of(done, count, hold)
@@ -128,14 +131,14 @@ def _sample(order: int, rows: Any, count: Any) -> tuple[dict[int, list[Any]], li
 def _whole_sample(order: int, rows: Any, count: Any) -> tuple[dict[int, list[Any]], list[Any]]:
     """The same with the foot and its velocity."""
     done, t, z, v, pressure, more = _sampled(order, rows, count)
-    body, coefficients = _lane(rows, BEFORE)
+    body, coefficients = lane_of(rows, BEFORE)
     return {SAMPLE: list(moved(body, coefficients, z, v, pressure, t)[:MOTION]), SAMPLING: [done]}, [more]
 
 
 def _account(order: int, rows: Any) -> tuple[dict[int, list[Any]], list[Any]]:
     """The energies of the step that has been taken, as `account` adds them. Truth: the lanes with a sound ledger."""
-    before, coefficients = _lane(rows, BEFORE)
-    after, _ = _lane(rows, STATE)
+    before, coefficients = lane_of(rows, BEFORE)
+    after, _ = lane_of(rows, STATE)
     length = rows[STEP][LENGTH]
     gap = before.pressure - rows[HOLD][VALVE]
     pressures = [before.pressure]
@@ -169,7 +172,8 @@ def _horner(coefficients: list[Any], times: Sequence[Any]) -> list[Any]:
     return totals
 
 
-def _lane(rows: Any, state: int) -> tuple[Body, Coefficients]:
+def lane_of(rows: Any, state: int) -> tuple[Body, Coefficients]:
+    """The bodies in one of the rows STATE and BEFORE, and their coefficients."""
     fields: list[Any] = [*(rows[state][n] for n in range(SLIPS)), rows[STATE][SLIPS]]
     body = Body(*fields)
     numbers: list[Any] = [rows[COEFFICIENTS][n] for n in range(len(Coefficients._fields))]

@@ -9,22 +9,37 @@ shrinks as the damping does.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...compiling.compilation import compiled, formula
+from ...compiling.tracing import exp, where
 from ..model.equations import mobility_of
 from ..model.state import Body, Coefficients, STUCK
 from ..steps.workspace import CHANGES
 from .saltation import Saltation
 from .transition import Transition
 
-__all__ = ["GROWTH_ROWS", "carry_growth", "note_growth", "saltate_growth", "start_growth"]
+__all__ = [
+    "AREA",
+    "COUNTS",
+    "GROWTH_ROWS",
+    "VECTOR",
+    "Plane",
+    "carried",
+    "carry_growth",
+    "is_handy",
+    "note_growth",
+    "rescale_growth",
+    "saltate_growth",
+    "start_growth",
+]
 
 # Columns of the tangents, after those of `tangent`: a vector (z, v, m) and an area (zv, zm, vm), each with the
 # logarithm of what it has been divided by, and then the integral of the divergence and the number of stops.
-_VECTOR, _AREA, _COUNTS = 3, 4, 5
+VECTOR, AREA, COUNTS = 3, 4, 5
 _Z, _V, _M, _LOGARITHM = range(4)
 _ZV, _ZM, _VM = range(3)
 _DIVERGENCE, _STOPS = range(2)
@@ -37,59 +52,92 @@ _SHORT, _LONG = 1e-60, 1e60
 def start_growth(coefficients: Coefficients, workspace: NDArray[np.float64]) -> None:
     """Begin with a change of the direction that is there, and of no momentum; with any where there is none."""
     tangents = workspace[-CHANGES:]
-    z, v = tangents[:2, _VECTOR].tolist()
+    z, v = tangents[:2, VECTOR].tolist()
     if not 0.0 < abs(z) + abs(v) < math.inf:
         z = v = 1.0
     tangents[:] = 0.0
-    tangents[:2, _VECTOR] = np.array([z, v]) / math.sqrt(_square(coefficients, z, v))
-    tangents[_ZV, _AREA] = 1.0
+    tangents[:2, VECTOR] = np.array([z, v]) / math.sqrt(_square(coefficients, z, v))
+    tangents[_ZV, AREA] = 1.0
+
+
+class Plane(NamedTuple):
+    """What a step changes of vector and area."""
+
+    z: float  # of the vector
+    v: float
+    zv: float  # of the area
+    zm: float
+    vm: float
+    logarithm: float  # of what the area has been divided by
+    divergence: float  # its integral
+
+
+@formula
+def carried(plane: Plane, over: Transition, length: float, mode: int, coefficients: Coefficients) -> Plane:
+    """Vector and area after a step of that length: m stays, and z and v change by the transition."""
+    z_z, z_v, v_z, v_v = over
+    change = -1.0 * (mobility_of(coefficients, mode) * coefficients.damping * length)
+    # The area of a foot that sticks shrinks as the divergence says, with no error of the transition's.
+    flat = (plane.zm == 0.0) & (plane.vm == 0.0)
+    return Plane(
+        z_z * plane.z + z_v * plane.v,
+        v_z * plane.z + v_v * plane.v,
+        plane.zv * where(flat, 1.0, exp(change)),
+        z_z * plane.zm + z_v * plane.vm,
+        v_z * plane.zm + v_v * plane.vm,
+        plane.logarithm + where(flat, change, 0.0),
+        plane.divergence + change,
+    )
 
 
 @compiled
 def carry_growth(
     over: Transition, length: float, body: Body, coefficients: Coefficients, tangents: NDArray[np.float64]
 ) -> None:
-    """Carry vector and area over a step of that length: m stays, and z and v change by the transition."""
-    _by(over, _VECTOR, _Z, _V, tangents)
-    change = -mobility_of(coefficients, body.mode) * coefficients.damping * length
-    tangents[_DIVERGENCE, _COUNTS] += change
-    if tangents[_ZM, _AREA] == 0.0 and tangents[_VM, _AREA] == 0.0:
-        tangents[_LOGARITHM, _AREA] += change
-    else:
-        tangents[_ZV, _AREA] *= math.exp(change)
-        _by(over, _AREA, _ZM, _VM, tangents)
-        _rescale(_AREA, tangents)
-    _rescale(_VECTOR, tangents)
+    """Carry vector and area over a step: see `carried`."""
+    before = Plane(
+        tangents[_Z, VECTOR],
+        tangents[_V, VECTOR],
+        tangents[_ZV, AREA],
+        tangents[_ZM, AREA],
+        tangents[_VM, AREA],
+        tangents[_LOGARITHM, AREA],
+        tangents[_DIVERGENCE, COUNTS],
+    )
+    after = carried(before, over, length, body.mode, coefficients)
+    tangents[_Z, VECTOR], tangents[_V, VECTOR] = after.z, after.v
+    tangents[_ZV, AREA], tangents[_ZM, AREA], tangents[_VM, AREA] = after.zv, after.zm, after.vm
+    tangents[_LOGARITHM, AREA], tangents[_DIVERGENCE, COUNTS] = after.logarithm, after.divergence
+    rescale_growth(tangents)
 
 
 @compiled
 def saltate_growth(event: Saltation, mode: int, coefficients: Coefficients, tangents: NDArray[np.float64]) -> None:
     """Carry vector and area across an event before which the foot is in `mode`."""
     payload = coefficients.payload_fraction
-    z, v = tangents[_Z, _VECTOR], tangents[_V, _VECTOR]
-    w = tangents[_M, _VECTOR] - payload * v if mode != STUCK else 0.0
+    z, v = tangents[_Z, VECTOR], tangents[_V, VECTOR]
+    w = tangents[_M, VECTOR] - payload * v if mode != STUCK else 0.0
     later = event.later_z * z + event.later_v * v + event.later_w * w
     v += event.by_later_v * later
     w += event.by_later_w * later
-    tangents[_V, _VECTOR] = v
-    tangents[_M, _VECTOR] = 0.0 if event.stops else w + payload * v
+    tangents[_V, VECTOR] = v
+    tangents[_M, VECTOR] = 0.0 if event.stops else w + payload * v
 
     # The wedges of z, v and w with each other and with `later`.
-    zv, vw = tangents[_ZV, _AREA], tangents[_VM, _AREA]
-    zw = tangents[_ZM, _AREA] - payload * zv if mode != STUCK else 0.0
+    zv, vw = tangents[_ZV, AREA], tangents[_VM, AREA]
+    zw = tangents[_ZM, AREA] - payload * zv if mode != STUCK else 0.0
     z_later = event.later_v * zv + event.later_w * zw
     v_later = event.later_w * vw - event.later_z * zv
     w_later = -event.later_z * zw - event.later_v * vw
     zv += event.by_later_v * z_later
     zw += event.by_later_w * z_later
     vw += event.by_later_w * v_later - event.by_later_v * w_later
-    tangents[_ZV, _AREA] = zv
-    tangents[_ZM, _AREA] = 0.0 if event.stops else zw + payload * zv
-    tangents[_VM, _AREA] = 0.0 if event.stops else vw
+    tangents[_ZV, AREA] = zv
+    tangents[_ZM, AREA] = 0.0 if event.stops else zw + payload * zv
+    tangents[_VM, AREA] = 0.0 if event.stops else vw
     if event.stops:
-        tangents[_STOPS, _COUNTS] += 1.0
-    _rescale(_VECTOR, tangents)
-    _rescale(_AREA, tangents)
+        tangents[_STOPS, COUNTS] += 1.0
+    rescale_growth(tangents)
 
 
 @compiled
@@ -99,11 +147,11 @@ def note_growth(coefficients: Coefficients, tangents: NDArray[np.float64], into:
     The vector is measured as a linear body that sticks has it: there every change shrinks by exp(-Pi2 t / (1 - r)),
     without the swings that another measure shows, where Pi2^2 < 1 - r.
     """
-    z, v, m = tangents[_Z, _VECTOR], tangents[_V, _VECTOR], tangents[_M, _VECTOR]
-    into[0] = tangents[_LOGARITHM, _VECTOR] + 0.5 * math.log(_square(coefficients, z, v) + m * m)
-    area = tangents[_ZV, _AREA] ** 2 + tangents[_ZM, _AREA] ** 2 + tangents[_VM, _AREA] ** 2
-    into[1] = tangents[_LOGARITHM, _AREA] + 0.5 * math.log(area)
-    into[2], into[3] = tangents[_DIVERGENCE, _COUNTS], tangents[_STOPS, _COUNTS]
+    z, v, m = tangents[_Z, VECTOR], tangents[_V, VECTOR], tangents[_M, VECTOR]
+    into[0] = tangents[_LOGARITHM, VECTOR] + 0.5 * math.log(_square(coefficients, z, v) + m * m)
+    area = tangents[_ZV, AREA] ** 2 + tangents[_ZM, AREA] ** 2 + tangents[_VM, AREA] ** 2
+    into[1] = tangents[_LOGARITHM, AREA] + 0.5 * math.log(area)
+    into[2], into[3] = tangents[_DIVERGENCE, COUNTS], tangents[_STOPS, COUNTS]
 
 
 @formula
@@ -116,18 +164,26 @@ def _square(coefficients: Coefficients, z: float, v: float) -> float:
     return v * v + stiffness * z * z
 
 
+@formula
+def is_handy(x: float, y: float, z: float) -> bool:
+    """Whether vector or area can be left as long as it is."""
+    size = abs(x) + abs(y) + abs(z)
+    return ((size > _SHORT) & (size < _LONG)) | (size == 0.0)
+
+
 @compiled
-def _by(over: Transition, column: int, first: int, second: int, tangents: NDArray[np.float64]) -> None:
-    z, v = tangents[first, column], tangents[second, column]
-    tangents[first, column] = over.z_z * z + over.z_v * v
-    tangents[second, column] = over.v_z * z + over.v_v * v
+def rescale_growth(tangents: NDArray[np.float64]) -> None:
+    """Bring vector and area to a handy length, and note by how much."""
+    _rescale(VECTOR, tangents)
+    _rescale(AREA, tangents)
 
 
 @compiled
 def _rescale(column: int, tangents: NDArray[np.float64]) -> None:
-    size = abs(tangents[0, column]) + abs(tangents[1, column]) + abs(tangents[2, column])
-    if _SHORT < size < _LONG or size == 0.0:
+    x, y, z = tangents[0, column], tangents[1, column], tangents[2, column]
+    if is_handy(x, y, z):
         return
+    size = abs(x) + abs(y) + abs(z)
     for row in range(_LOGARITHM):
         tangents[row, column] /= size
     tangents[_LOGARITHM, column] += math.log(size)

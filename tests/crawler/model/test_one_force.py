@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from stickslip.compiling.tracing import fma
+from stickslip.compiling.tracing import Series as TracedSeries
 from stickslip.crawler.closed_form import search
 from stickslip.crawler.model.equations import (
     acceleration_at_no_force,
@@ -103,6 +104,13 @@ def pressure_series():
     for n in range(1, ORDER + 1):
         p.append(COEFFICIENTS.lag_rate * ((VALVE if n == 1 else 0) - p[-1]) / n)
     return Series(p)
+
+
+def test_the_stiffness_of_a_series():
+    z, p = [Exact(4, 5), Exact(-2, 3), Exact(1, 7), Exact(3, 11)], pressure_series()[:4]
+    assert stiffness_at(COEFFICIENTS, TracedSeries(z), TracedSeries(p)) == stiffness_at(
+        COEFFICIENTS, Series(z), Series(p)
+    )
 
 
 @pytest.mark.parametrize("mode", [STUCK, FORWARD])
