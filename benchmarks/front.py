@@ -1,6 +1,6 @@
 """The front of speed against memory, in full: `stickslip trade` at four dithers, and the page that tells of it.
 
-Run ``python benchmarks/front.py``: three trainings of each kind at the dither that is shown, one at some weights at the
+Run ``python benchmarks/front.py``: three trainings of each kind at the dither that is shown, two at some weights at the
 others. The cells are kept in ``runs/front`` as they end, and a run that was stopped goes on where it stopped;
 ``--dask ADDRESS`` has a cluster do the work. ``--weights``, ``--dithers`` and ``--seeds`` take a part of it, which a
 later run adds to; ``--quick`` makes the front of ``stickslip trade --quick`` instead. What they came to is then kept in
@@ -37,9 +37,9 @@ SHOWN = 0.1
 ASKED: dict[str, Any] = {**FULL, "env_kwargs": {"hold": 0.5}}
 DITHERS = (0.0, 0.05, SHOWN, 0.25)
 ELSEWHERE: dict[str, Any] = {
-    "weights": (0.0, 0.2, 0.4),
+    "weights": (0.0, 0.2, 0.3, 0.4),
     "floors": (),
-    "seeds": 1,
+    "seeds": 2,
     "conditioned": False,
 }
 """What is asked for at the other dithers instead."""
