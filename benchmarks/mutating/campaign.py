@@ -3,7 +3,7 @@
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +20,37 @@ FOLDERS = ("common", "compiling", "reservoir", "crawler", "tasks", "envs", "trai
 """From the ground up."""
 Fault = tuple[str, Mutant]
 Result = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Stamps:
+    """Digests of the tests of now: a fault that a test file noticed is noticed as long as that file stays as it is.
+
+    Parameters
+    ----------
+    each : mapping
+        By test file.
+    whole : str
+        Of all.
+    """
+
+    each: Mapping[str, str]
+    whole: str
+
+    @classmethod
+    def taken(cls, root: Path, tests: Sequence[str]) -> "Stamps":
+        """Of test files, each with what all tests stand on."""
+        support = [path for path in (root / "tests" / "judges").glob("*") if path.is_file()]
+        shared = ["tests/conftest.py", *(path.relative_to(root).as_posix() for path in support)]
+        return cls({test: digest(root, [test, *shared]) for test in tests}, digest(root, [*tests, *shared]))
+
+    def of(self, result: Result) -> str:
+        """The digest of the file that noticed the fault, or of all where none did."""
+        return self.each.get(result["by"].partition("::")[0], self.whole)
+
+    def good(self, result: Result) -> bool:
+        """Whether a result was come to with the tests of now."""
+        return bool(result["stamp"] == self.of(result))
 
 
 @dataclass(frozen=True)
@@ -53,23 +84,22 @@ class Campaign:
     def known(self, faults: Iterable[Fault]) -> Iterator[tuple[Fault, str, Result | None]]:
         """Faults, their keys, and what is known of each with the modules and tests of now."""
         done = known(self.trials)
-        tests = self._tests()
-        support = [path for path in (self.root / "tests" / "judges").glob("*") if path.is_file()]
-        support += [self.root / "tests" / "conftest.py"]
-        stamp = digest(self.root, [*tests, *(path.relative_to(self.root).as_posix() for path in support)])
-        stamps: dict[str, str] = {}
+        stamps = Stamps.taken(self.root, self._tests())
+        sources: dict[str, str] = {}
         for file, mutant in faults:
-            if file not in stamps:
-                stamps[file] = digest(self.root, [file])
-            name = key(file, mutant, stamps[file], stamp)
+            if file not in sources:
+                sources[file] = digest(self.root, [file])
+            name = key(file, mutant, sources[file])
             if self.equivalents.reason(file, mutant.before, mutant.after):
                 yield (file, mutant), name, self._record(name, file, mutant, "equivalent")
             else:
-                yield (file, mutant), name, done.get(name)
+                result = done.get(name)
+                yield (file, mutant), name, result if result and stamps.good(result) else None
 
     def run(self, faults: Sequence[Fault], jobs: int = 1, minutes: float | None = None) -> list[Result]:
         """Try what is not known, say and keep what came of it, and give all results."""
         results, waiting = [], []
+        stamps = Stamps.taken(self.root, self._tests())
         for (file, mutant), name, result in self.known(faults):
             if result is None or (self.thorough and result["status"] == "survived" and "above" not in result):
                 waiting.append((name, file, mutant, result))
@@ -100,6 +130,7 @@ class Campaign:
                     outcome, reached = laboratory.tried(file, mutant, tests, baseline, helped[file])
                     result = self._record(name, file, mutant, outcome.status)
                     result |= {"by": outcome.by, "seconds": round(outcome.seconds, 1), "reached": reached}
+                    result["stamp"] = stamps.of(result)
                 if result["status"] == "survived" and baseline_above is not None:
                     outcome, _ = laboratory.tried(file, mutant, above, baseline_above)
                     result = result | {"above": outcome.by}

@@ -12,9 +12,9 @@ from .operators import Mutant, mutants
 __all__ = ["Equivalents", "added", "key", "known"]
 
 
-def key(file: str, mutant: Mutant, source: str, tests: str) -> str:
-    """Names a trial: the fault, and digests of the module and of the tests."""
-    return f"{file}:{mutant.begin}-{mutant.end}:{mutant.text.decode()}|{source}|{tests}"
+def key(file: str, mutant: Mutant, source: str) -> str:
+    """Names a trial: the fault, and the digest of the module."""
+    return f"{file}:{mutant.begin}-{mutant.end}:{mutant.text.decode()}|{source}"
 
 
 def known(path: Path) -> dict[str, dict[str, Any]]:

@@ -10,7 +10,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from typing import Any
 from .checkout import copied, files_in, kept_kernels, twin
 from .operators import Mutant
 from .relevance import ordered, reached
+from .watch import AT_IMPORT
 
 __all__ = ["Laboratory", "Outcome", "digest"]
 
@@ -96,28 +98,37 @@ class Laboratory:
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def baseline(self, tests: Sequence[str]) -> Path:
-        """What the tests do without faults, as a file of JSON.
+        """What the tests do without faults, as a file of JSON; what a test file does is kept until a source changes.
 
         Raises
         ------
         RuntimeError
             If a test fails.
         """
-        sources = [file for file in files_in(self.tree) if file.endswith((".py", ".json", ".md", ".toml"))]
+        files = [file for file in files_in(self.tree) if file.endswith((".py", ".json", ".md", ".toml"))]
+        sources = digest(self.tree, [file for file in files if not Path(file).name.startswith("test_")])
+        parts = {test: self.kept / "baselines" / f"{digest(self.tree, [test], sources)}.json" for test in tests}
+        missing = [test for test, part in parts.items() if not part.exists()]
         self._prepare(tests)
-        path = self.kept / f"baseline-{digest(self.tree, [*sources, *tests], repr(list(tests)))}.json"
-        if not path.exists():
-            code, words = self._pytest(self.tree, tests, path, traced=True)
-            report = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"failed": [], "package": None}
+        if missing:
+            whole = self._folder / "traced.json"
+            code, words = self._pytest(self.tree, missing, whole, traced=True)
+            report = (
+                json.loads(whole.read_text(encoding="utf-8")) if whole.exists() else {"failed": [], "package": None}
+            )
             wrong = ""
             if code != 0:
                 wrong = f"the tests fail without any fault: {', '.join(report['failed']) or code}\n{words}"
             elif report["package"] not in (None, f"{self.tree}/src/stickslip/__init__.py"):
                 wrong = f"the tests import another stickslip: {report['package']}"
             if wrong:
-                path.unlink(missing_ok=True)
                 raise RuntimeError(wrong)
             kept_kernels(self.tree, self.root)
+            for test in missing:
+                parts[test].parent.mkdir(parents=True, exist_ok=True)
+                parts[test].write_text(json.dumps(part_of(report, test)), encoding="utf-8")
+        path = self._folder / f"baseline-{digest(self.tree, tests)}.json"
+        path.write_text(json.dumps(joined(json.loads(part.read_text("utf-8")) for part in parts.values())), "utf-8")
         return path
 
     def _prepare(self, tests: Sequence[str]) -> None:
@@ -251,6 +262,28 @@ class Nursery:
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(words) + "\n")
         self._process.stdin.flush()
+
+
+def part_of(report: Mapping[str, Any], test: str) -> dict[str, Any]:
+    """What a report says of one test file, and of what was imported."""
+    return {
+        "seconds": {test: report["seconds"].get(test, 0.0)},
+        "each": {name: seconds for name, seconds in report["each"].items() if name.partition("::")[0] == test},
+        "reached": {name: report["reached"].get(name, {}) for name in (test, AT_IMPORT)},
+    }
+
+
+def joined(parts: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """A report from those of its test files."""
+    report: dict[str, Any] = {"seconds": {}, "each": {}, "reached": {}}
+    imported: dict[str, set[int]] = defaultdict(set)
+    for part in parts:
+        for name, content in report.items():
+            content.update(part[name])
+        for file, lines in part["reached"][AT_IMPORT].items():
+            imported[file].update(lines)
+    report["reached"][AT_IMPORT] = {file: sorted(lines) for file, lines in imported.items()}
+    return report
 
 
 def digest(root: Path, files: Sequence[str], also: str = "") -> str:

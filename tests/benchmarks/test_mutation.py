@@ -11,11 +11,13 @@ from pathlib import Path
 import mutation
 import pytest
 from mutating import relevance
+from mutating.campaign import Campaign
 from mutating.operators import mutants, OPERATORS
 from mutating.page import page, wilson
 from mutating.records import Equivalents
 from mutating.sampling import changed_lines, drawn
 from mutating.source import same_code
+from mutating.trials import joined, part_of
 from scipy.stats import binomtest
 
 ROOT = Path(__file__).parents[2]
@@ -158,6 +160,34 @@ def test_faults_are_tried_kept_and_not_tried_again(toy):
     again = subprocess.run(command, cwd=toy, env=environment, capture_output=True, encoding="utf-8")
     assert again.stdout.splitlines()[-1] == first.stdout.splitlines()[-1]
     assert "to try" not in again.stdout
+
+    def known(seed=1):
+        campaign = Campaign(toy, toy / "runs" / "mutation" / "trials.jsonl", Equivalents([]), "common")
+        found = campaign.known(drawn(toy, ["common/scale.py"], seed))
+        return {mutant.after: result and result["status"] for (_, mutant), _, result in found}
+
+    assert set(known().values()) == {"noticed", "hung", "survived", None}  # None: it was declared
+    (toy / "tests" / "common" / "test_more.py").write_text("", encoding="utf-8")
+    with_more = known()
+    assert set(with_more.values()) == {"noticed", None}  # what noticed them is as it was
+    assert with_more == known(seed=2)
+    (toy / "tests" / "common" / "test_scale.py").write_text("", encoding="utf-8")
+    assert set(known().values()) == {None}
+
+
+def test_what_is_known_of_the_tests_is_put_together_file_by_file():
+    report = {
+        "seconds": {"tests/test_a.py": 1.0, "tests/test_ab.py": 2.0},
+        "each": {"tests/test_a.py::test_b": 0.5, "tests/test_ab.py::test_b": 0.25},
+        "reached": {
+            "import": {"c.py": [1, 2]}, "tests/test_a.py": {"c.py": [3]}, "tests/test_ab.py": {"c.py": [4], "d.py": [5]}
+        },
+    }  # fmt: skip
+    parts = [part_of(report, test) for test in report["seconds"]]
+    assert parts[0]["each"] == {"tests/test_a.py::test_b": 0.5}
+    assert joined(parts) == report
+    other = {"seconds": {}, "each": {}, "reached": {"import": {"c.py": [2, 7]}}}
+    assert joined([*parts, other])["reached"]["import"] == {"c.py": [1, 2, 7]}
 
 
 def test_a_run_that_is_ended_leaves_nothing(toy):
