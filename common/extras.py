@@ -8,17 +8,17 @@ from gymnasium.error import DependencyNotInstalled
 __all__ = ["EXTRAS", "MissingExtra", "optional_import"]
 
 EXTRAS = {
-    "plot": ("matplotlib",),
-    "render": ("pygame", "moviepy"),
-    "cli": ("typer", "rich"),
-    "train": ("stable_baselines3", "sb3_contrib", "threadpoolctl", "torch", "tensorboard", "tqdm", "yaml"),
-    "interop": ("minari", "mo_gymnasium", "skrl", "torchrl"),
-    "export": ("onnx", "onnxruntime"),
-    "demo": ("jinja2",),
-    "dask": ("distributed",),
-    "maps": ("xarray", "zarr"),
-    "claims": ("pysindy",),
-    "peers": ("envpool", "heyoka", "diffrax", "jax", "mujoco", "reservoirpy"),
+    "plot": {"matplotlib"},
+    "render": {"pygame", "moviepy"},
+    "cli": {"typer", "rich"},
+    "train": {"stable_baselines3", "sb3_contrib", "threadpoolctl", "torch", "tensorboard", "tqdm", "yaml"},
+    "interop": {"minari", "mo_gymnasium", "skrl", "torchrl"},
+    "export": {"onnx", "onnxruntime"},
+    "demo": {"jinja2"},
+    "dask": {"distributed"},
+    "maps": {"xarray", "zarr"},
+    "claims": {"pysindy"},
+    "peers": {"envpool", "heyoka", "diffrax", "jax", "mujoco", "reservoirpy"},
 }
 """Packages that can be imported by the least extra in `pyproject.toml` that installs them."""
 

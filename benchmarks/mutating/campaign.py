@@ -12,7 +12,8 @@ from typing import Any
 from .operators import Mutant
 from .records import added, Equivalents, key, known
 from .relevance import tests_of
-from .trials import digest, Laboratory
+from .sampling import files_of
+from .trials import digest, Laboratory, support
 
 __all__ = ["FOLDERS", "Campaign", "shown"]
 
@@ -40,8 +41,7 @@ class Stamps:
     @classmethod
     def taken(cls, root: Path, tests: Sequence[str]) -> "Stamps":
         """Of test files, each with what all tests stand on."""
-        support = [path for path in (root / "tests" / "judges").glob("*") if path.is_file()]
-        shared = ["tests/conftest.py", *(path.relative_to(root).as_posix() for path in support)]
+        shared = support(root)
         return cls({test: digest(root, [test, *shared]) for test in tests}, digest(root, [*tests, *shared]))
 
     def of(self, result: Result) -> str:
@@ -113,12 +113,13 @@ class Campaign:
             f"{self.folder}: {len(waiting)} to try, {len(results)} known; first the tests without a fault", flush=True
         )
         with Laboratory(self.root, self.trials.parent, jobs, self.patience) as laboratory:
-            tests = self._tests()
-            baseline = laboratory.baseline(tests) if any(result is None for *_, result in waiting) else None
+            tests, modules = self._tests(), files_of(self.root, self.folder)
+            untried = any(result is None for *_, result in waiting)
+            baseline = laboratory.baseline(tests, modules) if untried else None
             above = [
                 test for folder in FOLDERS[FOLDERS.index(self.folder) + 1 :] for test in tests_of(self.root, folder)
             ]
-            baseline_above = laboratory.baseline(above) if self.thorough and above else None
+            baseline_above = laboratory.baseline(above, modules) if self.thorough and above else None
 
             helped: dict[str, set[str]] = defaultdict(set)
             for result in known(self.trials).values():

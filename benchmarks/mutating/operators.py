@@ -102,7 +102,19 @@ PAIRS = [
     ("sin", "cos"),
 ]
 TWINS = dict(PAIRS) | {second: first for first, second in PAIRS}
-COMMUTATIVE = {"add", "fmax", "fmin", "gcd", "hypot", "logical_and", "logical_or", "multiply", *TWINS} - {"mean", "sum"}
+COMMUTATIVE = {
+    "add",
+    "and_",
+    "fmax",
+    "fmin",
+    "gcd",
+    "hypot",
+    "logical_and",
+    "logical_or",
+    "multiply",
+    "or_",
+    *TWINS,
+} - {"mean", "sum"}
 INTROSPECTION = {"getattr", "hasattr", "isinstance", "issubclass", "setattr"}
 FLOATS = {"empty", "linspace", "ones", "zeros"}  # dtype=float is their default
 
@@ -197,7 +209,8 @@ def arguments_swapped(source: Source, node: ast.AST) -> Iterator[Edit]:
     if not isinstance(node, ast.Call):
         return
     if called(node.func) not in COMMUTATIVE | INTROSPECTION and not any(isinstance(a, ast.Starred) for a in node.args):
-        yield from _swapped(source, node.args)
+        factors_first = called(node.func) == "fma"
+        yield from _swapped(source, node.args[factors_first:])
     for one, other in _neighbours([keyword.value for keyword in node.keywords if keyword.arg not in WITHOUT_EFFECT]):
         if type(one) is type(other):
             yield from _swapped(source, [one, other])
@@ -205,12 +218,16 @@ def arguments_swapped(source: Source, node: ast.AST) -> Iterator[Edit]:
 
 def label_swapped(source: Source, node: ast.AST) -> Iterator[Edit]:
     names: list[ast.expr | None] = []
+    values: dict[int, bytes] = {}
     if isinstance(node, ast.Dict):
         names = node.keys
+        values = {id(name): source.of(value) for name, value in zip(node.keys, node.values, strict=True)}
     elif isinstance(node, ast.List | ast.Tuple):
         names = list(node.elts)
     labels = [name for name in names if isinstance(name, ast.Constant) and isinstance(name.value, str)]
-    yield from _swapped(source, labels)
+    for one, other in _neighbours(labels):
+        if not values or values[id(one)] != values[id(other)]:
+            yield from _swapped(source, [one, other])
 
 
 def field_swapped(source: Source, node: ast.AST) -> Iterator[Edit]:

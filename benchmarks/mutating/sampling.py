@@ -1,6 +1,6 @@
 """Which faults are tried: lines are drawn alike, then one of a line's faults."""
 
-import random
+import hashlib
 import re
 import subprocess
 from collections import defaultdict
@@ -50,6 +50,9 @@ def changed_lines(root: Path, revision: str) -> dict[str, set[int]]:
 def drawn(root: Path, files: Iterable[str], seed: int, lines: Mapping[str, set[int]] | None = None) -> Iterator[Place]:
     """Faults in the order in which they are tried, each once: the first of every line come before the second of any.
 
+    What stands elsewhere has no part in the place of a fault in that order: a change of one module, or a kind of fault
+    more, moves no other.
+
     Parameters
     ----------
     root : Path
@@ -62,21 +65,24 @@ def drawn(root: Path, files: Iterable[str], seed: int, lines: Mapping[str, set[i
         Lines by file that faults may begin on; all if None.
     """
     texts = {file: (root / file).read_bytes() for file in files}
-    by_line: dict[tuple[str, int], list[Mutant]] = defaultdict(list)
+    in_turn: list[tuple[int, bytes, str, Mutant]] = []  # the round, the line's draw
     for file, text in texts.items():
+        by_line: dict[int, list[Mutant]] = defaultdict(list)
         for mutant in mutants(text):
             if lines is None or mutant.line in lines.get(file, ()):
-                by_line[file, mutant.line].append(mutant)
-    order = random.Random(seed)
-    for line in by_line.values():
-        order.shuffle(line)
-    while by_line:
-        places = list(by_line)
-        order.shuffle(places)
-        for place in places:
-            file, _ = place
-            mutant = by_line[place].pop()
-            if not by_line[place]:
-                del by_line[place]
-            if not same_code(texts[file], mutant.applied(texts[file])):
-                yield file, mutant
+                by_line[mutant.line].append(mutant)
+        alike: dict[str, int] = defaultdict(int)  # lines of one text are told by their number
+        rows = text.decode().splitlines()
+        for line, faults in sorted(by_line.items()):
+            row = rows[line - 1]
+            alike[row] += 1
+            place = f"{seed}:{file}:{alike[row]}:{row}"
+            faults.sort(key=lambda mutant: _draw(f"{place}:{mutant.kind}:{mutant.before}:{mutant.after}"))
+            in_turn += [(k, _draw(f"{place}:{k}"), file, mutant) for k, mutant in enumerate(faults)]
+    for _, _, file, mutant in sorted(in_turn, key=lambda each: each[:2]):
+        if not same_code(texts[file], mutant.applied(texts[file])):
+            yield file, mutant
+
+
+def _draw(of: str) -> bytes:
+    return hashlib.sha256(of.encode()).digest()

@@ -73,6 +73,27 @@ if __name__ == "__main__":
     assert [mutant.before for mutant in mutants(text)] == []
 
 
+def test_what_only_orders_names_or_factors_is_no_fault():
+    text = b"names = {'a': 1, 'b': 1}\nx = fma(a, b, c)\ny = and_(a, b)\n"
+    assert [mutant.after for mutant in mutants(text) if mutant.kind in ("label swapped", "arguments swapped")] == [
+        "x = fma(a, c, b)"
+    ]
+
+
+def test_a_change_elsewhere_leaves_the_order_of_the_faults(tmp_path):
+    texts = {"a.py": "x = a < b\ny = a + f(b, 3)\nx = a < b\n", "b.py": "z = a - 1\nu = a and b\n"}
+    for file, text in texts.items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+
+    def order(*files):
+        return [(file, mutant.after) for file, mutant in drawn(tmp_path, files, 5) if mutant.before != "new = a > 1"]
+
+    before = order("a.py", "b.py")
+    assert order("b.py") == [each for each in before if each[0] == "b.py"]
+    (tmp_path / "b.py").write_text("new = a > 1\n" + texts["b.py"], encoding="utf-8")
+    assert order("a.py", "b.py") == before
+
+
 def test_faults_of_the_package_compile():
     for file in ("crawler/loop.py", "tasks/narma.py", "envs/rendering/canvas.py"):
         text = (ROOT / file).read_bytes()

@@ -42,10 +42,10 @@ def test_the_extras_are_those_of_the_project():
     for extra, requirements in extras.items():
         if extra != "dev":
             named = [re.match(r"[\w-]+", requirement)[0].replace("-", "_") for requirement in requirements]
-            installed = [DISTRIBUTIONS.get(package, package) for package in EXTRAS[extra]]
+            installed = {DISTRIBUTIONS.get(package, package) for package in EXTRAS[extra]}
             # What a smaller extra installs as well is named by that one.
             smaller = {DISTRIBUTIONS.get(each, each) for other in EXTRAS if other != extra for each in EXTRAS[other]}
-            assert [each for each in named if each not in smaller | {"stickslip"}] == installed, extra
+            assert {each for each in named if each not in smaller | {"stickslip"}} == installed, extra
 
 
 @pytest.mark.parametrize("package", EXTRA_OF)

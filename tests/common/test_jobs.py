@@ -5,7 +5,9 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import joblib
 import pytest
@@ -97,6 +99,61 @@ def alive(process):
     except ProcessLookupError:
         return False
     return True
+
+
+class Future:
+    def __init__(self, run):
+        self.run, self.released = run, False
+
+    def release(self):
+        self.released = True
+
+
+class Client:
+    """What Dask's client does for `as_done`, at once and in this process, the job of most priority first."""
+
+    def __init__(self, address="", set_as_default=True):
+        self.address, self.is_default, self.loop = address, set_as_default, object()
+        self.waiting, self.cancelled, self.closed = {}, [], False
+        CLIENTS.append(self)
+
+    def submit(self, work, job, *, key, priority):
+        future = Future(partial(work, job))
+        assert key not in self.waiting
+        self.waiting[key] = priority, future
+        return future
+
+    def cancel(self, futures):
+        self.cancelled += futures
+
+    def close(self):
+        self.closed = True
+
+
+def as_completed(futures, *, loop, with_results):
+    [client] = [each for each in CLIENTS if each.loop is loop]
+    for _, future in sorted(client.waiting.values(), key=lambda each: -each[0]):
+        if future in futures:
+            yield future, future.run()
+
+
+CLIENTS = []
+
+
+def test_dask_is_given_jobs_in_order_and_a_client_of_our_own_is_closed(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client, as_completed=as_completed))
+    theirs = Client()
+    for dask in (theirs, "tcp://somewhere"):
+        assert list(as_done(refuse_two, [5, 4, 3], dask=dask)) == [(0, 5), (1, 4), (2, 3)]
+        with pytest.raises(ValueError, match="not two"):
+            list(as_done(refuse_two, [0, 2, 1], dask=dask))
+    assert not theirs.closed
+    ours = CLIENTS[1:]
+    assert [(each.address, each.is_default, each.closed) for each in ours] == [("tcp://somewhere", False, True)] * 2
+    for each, released in zip(ours, (3, 1), strict=True):
+        futures = [future for _, future in each.waiting.values()]
+        assert [future.released for future in futures] == [k < released for k in range(3)]
+        assert each.cancelled == futures
 
 
 @pytest.mark.slow  # on a machine that is far too busy its scheduler gives up starting
