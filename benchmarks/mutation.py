@@ -95,10 +95,12 @@ def places(asked: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
 
 
 def write_page(asked: argparse.Namespace, equivalents: Equivalents) -> None:
-    """Keep the results that stand, those of other folders as they are kept, and write the page."""
+    """Keep the results that stand, those of other folders as they are kept for this seed, and write the page."""
     from measuring import keep, machine  # slow to import
 
     kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
+    if kept.get("seed") != asked.seed:
+        kept = {}
     revisions: dict[str, str] = kept.get("revisions", {})
     folders: dict[str, list[dict[str, Any]]] = kept.get("folders", {})
     for folder, files in places(asked):
@@ -106,7 +108,9 @@ def write_page(asked: argparse.Namespace, equivalents: Equivalents) -> None:
         for _, _, result in Campaign(ROOT, TRIALS, equivalents, folder).known(drawn(ROOT, files, asked.seed)):
             if result is None:
                 break
-            folders[folder].append({name: value for name, value in result.items() if name not in ("key", "seconds")})
+            folders[folder].append(
+                {name: value for name, value in result.items() if name not in ("key", "seconds", "stamp")}
+            )
     results = {
         "machine": machine("pytest", "hypothesis"),
         "command": f"python benchmarks/mutation.py --seed {asked.seed} --minutes N",

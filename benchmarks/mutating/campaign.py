@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .operators import Mutant
-from .records import added, Equivalents, key, known
+from .records import added, Equivalents, fault_of, first_seen, key, known
 from .relevance import tests_of
 from .sampling import files_of
 from .trials import digest, Laboratory, support
@@ -83,7 +83,7 @@ class Campaign:
 
     def known(self, faults: Iterable[Fault]) -> Iterator[tuple[Fault, str, Result | None]]:
         """Faults, their keys, and what is known of each with the modules and tests of now."""
-        done = known(self.trials)
+        done, first = known(self.trials), first_seen(self.trials)
         stamps = Stamps.taken(self.root, self._tests())
         sources: dict[str, str] = {}
         for file, mutant in faults:
@@ -94,7 +94,10 @@ class Campaign:
                 yield (file, mutant), name, self._record(name, file, mutant, "equivalent")
             else:
                 result = done.get(name)
-                yield (file, mutant), name, result if result and stamps.good(result) else None
+                if result and stamps.good(result):
+                    yield (file, mutant), name, result | {"first": first[fault_of(result)]}
+                else:
+                    yield (file, mutant), name, None
 
     def run(self, faults: Sequence[Fault], jobs: int = 1, minutes: float | None = None) -> list[Result]:
         """Try what is not known, say and keep what came of it, and give all results."""

@@ -1,15 +1,16 @@
 """Results of trials, one a line of JSON, written as they come; and faults declared to change nothing."""
 
+import contextlib
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from .operators import Mutant, mutants
 
-__all__ = ["Equivalents", "added", "key", "known"]
+__all__ = ["Equivalents", "added", "fault_of", "first_seen", "key", "known"]
 
 
 def key(file: str, mutant: Mutant, source: str) -> str:
@@ -19,14 +20,26 @@ def key(file: str, mutant: Mutant, source: str) -> str:
 
 def known(path: Path) -> dict[str, dict[str, Any]]:
     """Results by key, the last of each; a line that was cut off is left out."""
-    results = {}
+    return {result["key"]: result for result in _all(path)}
+
+
+def first_seen(path: Path) -> dict[tuple[str, ...], str]:
+    """What came of each fault when it was tried for the first time, whatever the code and the tests were then."""
+    statuses: dict[tuple[str, ...], str] = {}
+    for result in _all(path):
+        statuses.setdefault(fault_of(result), result["status"])
+    return statuses
+
+
+def fault_of(result: Mapping[str, Any]) -> tuple[str, ...]:
+    """What tells a fault from all others, wherever its line has moved to."""
+    return tuple(result[name] for name in ("file", "kind", "before", "after"))
+
+
+def _all(path: Path) -> Iterator[dict[str, Any]]:
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
-        try:
-            result = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        results[result["key"]] = result
-    return results
+        with contextlib.suppress(json.JSONDecodeError):
+            yield json.loads(line)
 
 
 def added(path: Path, result: Mapping[str, Any]) -> None:

@@ -24,8 +24,11 @@ def tests_of(tree: Path, folder: str) -> list[str]:
 
 
 def reached(baseline: Mapping[str, Any], file: str, mutant: Mutant) -> bool | None:
-    """Whether a test ran the line without a fault; None where that cannot be seen, in compiled functions."""
-    if mutant.compiled:
+    """Whether a test ran the line without a fault; None where nobody knows.
+
+    In compiled functions that cannot be seen, and a module may be newer than what is kept of a test.
+    """
+    if mutant.compiled or file in baseline["stale"]:
         return None
     return any(mutant.line in lines.get(_module_file(file), ()) for lines in baseline["reached"].values())
 

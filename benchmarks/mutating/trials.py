@@ -99,7 +99,7 @@ class Laboratory:
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def baseline(self, tests: Sequence[str], modules: Sequence[str]) -> Path:
-        """What tests do without faults, as a file of JSON; what a test file does is kept until it or a module changes.
+        """What tests do without faults, as a file of JSON; what a test file does is kept as long as it stays as it is.
 
         Parameters
         ----------
@@ -111,9 +111,10 @@ class Laboratory:
         RuntimeError
             If a test fails.
         """
-        code_of_now = digest(self.tree, [*modules, *support(self.tree)])
-        parts = {test: self.kept / "baselines" / f"{digest(self.tree, [test], code_of_now)}.json" for test in tests}
+        shared = digest(self.tree, support(self.tree))
+        parts = {test: self.kept / "baselines" / f"{digest(self.tree, [test], shared)}.json" for test in tests}
         missing = [test for test, part in parts.items() if not part.exists()]
+        sources = {file: digest(self.tree, [file]) for file in modules}
         self._prepare(tests)
         if missing:
             whole = self._folder / "traced.json"
@@ -129,12 +130,14 @@ class Laboratory:
                 if test in failed:
                     continue
                 parts[test].parent.mkdir(parents=True, exist_ok=True)
-                parts[test].write_text(json.dumps(part_of(report, test)), encoding="utf-8")
+                parts[test].write_text(json.dumps(part_of(report, test) | {"sources": sources}), encoding="utf-8")
             if code != 0:
                 failing = ", ".join(report["failed"]) or code
                 raise RuntimeError(f"the tests fail without any fault: {failing}\n{words}")
         path = self._folder / f"baseline-{digest(self.tree, tests)}.json"
-        path.write_text(json.dumps(joined(json.loads(part.read_text("utf-8")) for part in parts.values())), "utf-8")
+        known = [json.loads(part.read_text(encoding="utf-8")) for part in parts.values()]
+        stale = [file for file in modules if any(part["sources"].get(file) != sources[file] for part in known)]
+        path.write_text(json.dumps(joined(known) | {"stale": stale}), encoding="utf-8")
         return path
 
     def _prepare(self, tests: Sequence[str]) -> None:

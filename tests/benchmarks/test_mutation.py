@@ -268,15 +268,16 @@ def test_what_reaches_the_line_or_noticed_another_fault_comes_first(toy):
 
 def test_the_page_says_what_was_noticed_and_what_was_not():
     fault = {"file": "tasks/a.py", "line": 3, "kind": "number", "before": "x = 1", "after": "x = 0", "reached": True}
-    faults = [{**fault, "status": status} for status in ("noticed", "hung", "survived", "equivalent")]
-    faults.append({**fault, "status": "survived", "reached": False, "line": 4, "above": "tests/envs/test_b.py::test_c"})
+    faults = [{**fault, "status": status, "first": status} for status in ("noticed", "hung", "survived")]
+    faults += [{**fault, "status": "equivalent"}, {**faults[0], "line": 5, "first": "survived"}]
+    faults.append({**faults[2], "reached": False, "line": 4, "above": "tests/envs/test_b.py::test_c"})
     results = {"command": "python it", "seed": 5, "folders": {"tasks": faults, "train": []}}
     same = {"file": "a.py", "before": "b", "after": "c", "reason": "Because."}
     results |= {"revisions": {"tasks": "0123456789", "train": "abcdef"}, "equivalent": [same]}
     text = page(results)
-    assert "| `tasks/` | 5 | 2 | 1 | 2 | 1 | 1 | 50% [15%, 85%] | 90% | 0123456789 |" in text
-    assert "| `train/` | 0 | 0 | 0 | 0 | 0 | 0 | - | 90% | abcdef |" in text
-    assert "| number | 4 | 50% [15%, 85%] |" in text
+    assert "| `tasks/` | 6 | 3 | 1 | 2 | 1 | 1 | 60% [23%, 88%] | 40% [12%, 77%] | 90% | 0123456789 |" in text
+    assert "| `train/` | 0 | 0 | 0 | 0 | 0 | 0 | - | - | 90% | abcdef |" in text
+    assert "| number | 5 | 60% [23%, 88%] |" in text
     assert "- `tasks/a.py:3` (number): `x = 1` became `x = 0`" in text
     assert (
         "- `tasks/a.py:4` (number; no test of the folder reaches the line; noticed by `tests/envs/test_b.py::test_c`)"
