@@ -58,7 +58,7 @@ def main() -> None:
                 print(shown(file, mutant))
             continue
         campaign = Campaign(ROOT, TRIALS, equivalents, folder, asked.tests, asked.thorough, asked.patience)
-        results = campaign.run(list(faults), asked.jobs, asked.minutes)
+        results = campaign.run(faults, asked.jobs, asked.minutes)
         statuses = [result["status"] for result in results]
         counted = len(statuses) - statuses.count("equivalent")
         noticed = counted - statuses.count("survived")

@@ -1,5 +1,6 @@
 """The faults of one folder: which were tried already, the trials of the others, and what is kept of each."""
 
+import math
 import sys
 import time
 from collections import defaultdict
@@ -19,6 +20,7 @@ __all__ = ["FOLDERS", "Campaign", "shown"]
 
 FOLDERS = ("common", "compiling", "reservoir", "crawler", "tasks", "envs", "train", "studies", "package")
 """From the ground up."""
+_QUICKEST = 30  # trials a minute: none takes less than 2 seconds
 Fault = tuple[str, Mutant]
 Result = dict[str, Any]
 
@@ -99,11 +101,14 @@ class Campaign:
                 else:
                     yield (file, mutant), name, None
 
-    def run(self, faults: Sequence[Fault], jobs: int = 1, minutes: float | None = None) -> list[Result]:
+    def run(self, faults: Iterable[Fault], jobs: int = 1, minutes: float | None = None) -> list[Result]:
         """Try what is not known, say and keep what came of it, and give all results."""
         results, waiting = [], []
         stamps = Stamps.taken(self.root, self._tests())
+        most = math.inf if minutes is None else 1 + _QUICKEST * minutes * jobs
         for (file, mutant), name, result in self.known(faults):
+            if len(waiting) > most:
+                break  # to draw a fault takes time, too
             if result is None or (self.thorough and result["status"] == "survived" and "above" not in result):
                 waiting.append((name, file, mutant, result))
                 continue

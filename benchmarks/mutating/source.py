@@ -1,7 +1,7 @@
 """A module's text, its syntax tree, and the stretch of text of every node."""
 
 import ast
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 __all__ = ["Source", "same_code"]
 
@@ -75,7 +75,12 @@ def same_code(one: bytes, other: bytes) -> bool:
         changed = compile(other, "module", "exec")
     except SyntaxError:
         return False
-    return _meaning(compile(one, "module", "exec")) == _meaning(changed)
+    return _meaning_of(one) == _meaning(changed)
+
+
+@lru_cache(maxsize=256)
+def _meaning_of(text: bytes) -> object:
+    return _meaning(compile(text, "module", "exec"))
 
 
 def _meaning(value: object) -> object:

@@ -41,6 +41,28 @@ def random_members(rng, n):
     return members
 
 
+class Guarded(Batch):
+    """Around each array that is written lies memory that is not to be touched."""
+
+    def __init__(self, members):
+        super().__init__(members)
+        self.wholes = []
+        for name in ("bodies", "samples", "statuses", "elapsed"):
+            array = getattr(self, name)
+            whole = np.full((len(array) + 2, *array.shape[1:]), 77, array.dtype)
+            whole[1:-1] = array
+            setattr(self, name, whole[1:-1])
+            self.wholes.append(whole)
+
+    def advance(self, *arguments):
+        super().advance(*arguments)
+        self.check()
+
+    def check(self):
+        for whole in self.wholes:
+            assert (whole[[0, -1]] == 77).all()
+
+
 scenes = st.builds(Scene, anchored=st.booleans(), ratchet=st.booleans(), slope=st.sampled_from([0.0, 0.1, -0.2]))
 bodies = st.tuples(
     st.floats(-1.0, 1.0),
@@ -85,7 +107,7 @@ def test_crawlers_from_anywhere_in_the_ranges(order, seed):
 @pytest.mark.parametrize("n", [1, 2, LANES - 1, LANES, LANES + 1, 3 * LANES + 5])
 def test_any_slice_of_any_number(n):
     rng = np.random.default_rng(n)
-    batch = Batch([(Groups(), Scene())] * n)
+    batch = Guarded([(Groups(), Scene())] * n)
     for _ in range(4):
         batch.advance(rng.integers(0, 2, n), 0.5, taylor(1e-6))
     for begin, end in [(0, 0), (n, n), (0, n // 2), (n // 2, n), (n // 3, n - n // 3)]:
@@ -142,7 +164,7 @@ def test_radau_and_the_closed_form_take_the_same_call():
     linear = Groups(duffing=0.0, radial_coupling=0.0)
     for solver, groups in (SOLVERS["radau"], Groups()), (SOLVERS["closed_form"], linear):
         options = solver.options(1e-6)
-        batch = Batch([(groups, Scene())] * 3)
+        batch = Guarded([(groups, Scene())] * 3)
         batch.workspace = solver.workspace(batch.members[0], 0.5, SAMPLES)
         single = np.zeros(7)
         for valve in (1, 1, 0):
@@ -155,5 +177,6 @@ def test_radau_and_the_closed_form_take_the_same_call():
             for i in range(2):
                 np.testing.assert_array_equal(batch.bodies[:, i], single)
                 np.testing.assert_array_equal(batch.samples[..., i], own[:3])
+        batch.check()
         assert batch.statuses.tolist() == [FINISHED, FINISHED, -1]
         assert not batch.bodies[:, 2].any()

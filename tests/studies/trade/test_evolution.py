@@ -1,11 +1,15 @@
 """Feedback of past valve states and of the body: what it commands, and that evolution finds the better one."""
 
+from itertools import pairwise
+from types import SimpleNamespace
+
 import gymnasium as gym
 import numpy as np
 import pytest
 
+from stickslip.studies.trade import evolution
 from stickslip.studies.trade.conditions import conditions
-from stickslip.studies.trade.evolution import _best, _children, embedded, evolved_feedback, Feedback
+from stickslip.studies.trade.evolution import _best, _children, _pooled, embedded, evolved_feedback, Feedback
 from stickslip.studies.trade.registers import acting
 from stickslip.studies.trade.rollouts import runs_of
 
@@ -65,9 +69,40 @@ def test_evolution_goes_beyond_what_it_begins_from():
     assert found.hypervolume.mean > 0.106 * 4.0
 
 
+def test_two_runs_count_as_one_of_all_their_holds():
+    pooled = _pooled(np.array([[0.5, 3.0, 600.0], [0.1, 2.0, 10.0]]), np.array([[0.2, 1.2, 1200.0], [0.3, 4.0, 30.0]]))
+    np.testing.assert_allclose(pooled, [[0.3, 1.8, 1800.0], [0.25, 3.5, 40.0]])
+
+
+def test_those_kept_run_again_and_no_run_meets_the_flips_of_another(monkeypatch):
+    runs = []
+
+    def rolled(acting, count, holds, settings, *, seed, threads):
+        assert (settings.dither, threads) == (0.2, 1)
+        acting(slice(0, count))(0, np.zeros((count, 8)))
+        runs.append((count, holds, seed))
+        return SimpleNamespace(speeds=np.linspace(0.2, 0.4, count), memories=np.full(count, 3.0))
+
+    monkeypatch.setattr(evolution, "roll_out_many", rolled)
+    asked = {"bits": 2, "generations": 2, "children": 8, "begin": ["1101"], "seeds": 1, "holds": 1000, "threads": 1}
+    first, again, other = (
+        evolved_feedback(**asked, screening_holds=200, dither=0.2, seed=seed).feedback for seed in (7, 7, 8)
+    )
+    np.testing.assert_array_equal(first.thresholds, again.thresholds)
+    assert not np.isin(first.thresholds, other.thresholds).any()
+    assert runs[: len(runs) // 3] == runs[len(runs) // 3 : 2 * len(runs) // 3]
+    of_one = runs[: len(runs) // 3]
+    # Those it begins from, "1101", "0" and "1", three times; then each generation's children, and with them all again.
+    assert [run[:2] for run in of_one] == [(3, 400)] * 3 + [(8, 200), *[(11, 400)] * 3, (8, 200), *[(19, 400)] * 3]
+    flips = sorted((seed, seed + count) for count, _, seed in of_one)
+    assert flips[0][0] > 2_000_000 + 1_000_000  # what judges is below
+    assert all(end <= begin for (_, end), (begin, _) in pairwise(flips))
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
+        ({"seed": -1}, "seed must be a whole number >= 0, got -1"),
         ({"bits": 0}, "bits must be a whole number"),
         ({"generations": 0}, "generations must be a whole number"),
         ({"dither": 0.0}, r"dither must be in \(0, 0.5\]"),

@@ -223,6 +223,17 @@ def test_the_figure_shows_every_point_and_what_bounds_them():
     assert figure.get_size_inches()[0] == 3.5  # a column
 
 
+def test_a_front_without_policies_is_drawn_by_what_there_is_and_by_speed_alone_where_memory_weighs_nothing():
+    (ax,) = plot_front(a_front(policies=[]), weight=0.0).axes
+    labels = {line.get_label() for line in ax.lines if not line.get_label().startswith("_")}
+    assert labels == {"best open-loop words", "equal reward, memory weight 0"}
+    assert {text.get_text() for text in ax.texts} == {"speed limit", "held open"}
+    right, top = 1.12 * 0.85, 1.12 * 4.0
+    assert (ax.get_xlim(), ax.get_ylim()) == (pytest.approx((0.0, right)), pytest.approx((0.0, top)))
+    dotted = [line.get_xdata() for line in ax.lines if line.get_linestyle() == ":" and len(line.get_xdata())]
+    np.testing.assert_allclose(dotted, [[right * k / 7] * 2 for k in range(1, 7)])
+
+
 def test_a_figure_names_what_the_memory_is_of():
     trade = Trade(weights=(0.0,), env_kwargs={"target": "parity"}, seeds=1, conditioned=False)
     [front] = fronts(trade, results(trade))
