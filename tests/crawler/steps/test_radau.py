@@ -202,6 +202,47 @@ def test_a_step_is_repeated_for_an_event_early_in_it_or_faint():
     assert repeated(0.5, pace=pace._replace(error=0.0)) == AFRESH, "a Taylor series"
 
 
+def first_step(length, stages=5, tolerance=1e-6, friction=0.5, start=0.3):
+    """A step of a sliding body that is tried with the length, and what it leaves."""
+    coefficients = coefficients_of(Groups(static_friction=friction, kinetic_friction=0.8 * friction), Scene())
+    series, pace = np.zeros((ROWS, WIDTH)), AFRESH._replace(length=length)
+    return collocate(
+        Body(start, 0.1, 0.9, 0.0, 1.0, FORWARD, 1), coefficients, 0.0, 1e9, stages, tolerance, pace, series
+    )
+
+
+@pytest.mark.parametrize("stages", STAGES)
+def test_the_next_step_is_as_long_as_the_error_of_this_one_allows(stages):
+    tolerance = {5: 1e-6, 7: 1e-8, 9: 1e-11, 11: 1e-13}[stages]
+    lengths = np.geomspace(0.01, 0.25, 30)
+    steps = [(length, *first_step(length, stages, tolerance)) for length in lengths]
+    at_once = [(taken, pace) for length, taken, pace in steps if taken == length and pace.error > 0.0]
+    assert len(at_once) > 3
+    for taken, pace in at_once:
+        factor = min(0.9 * max(pace.error, 1e-12) ** (-1.0 / (stages + 1)), 10.0)
+        assert pace.length == pytest.approx(taken * factor, rel=1e-12)
+        assert (pace.span, pace.begin, pace.doubt) == (taken, taken, pace.error * tolerance)
+    # After a step that had to be shortened the next one is no longer.
+    again = [(taken, pace) for length, taken, pace in steps if taken < length]
+    assert all(0.89 * taken < pace.length <= taken for taken, pace in again)
+
+
+def test_a_step_that_errs_by_far_is_tried_again_with_a_tenth_and_one_without_solution_with_a_quarter():
+    for length in (8.5, 12.0, 20.0, 60.0):
+        assert first_step(length)[0] == first_step(0.1 * length)[0] != first_step(0.2 * length)[0]
+    for length in (2.5, 10.0, 40.0):
+        quarter, half = (first_step(share * length, 11, 1e-13)[0] for share in (0.25, 0.5))
+        assert first_step(length, 11, 1e-13)[0] == quarter != half
+
+
+def test_without_friction_a_step_is_no_surer_than_the_rounding_of_the_forces_terms():
+    terms = 1.0 + 0.3 + 0.5 * 0.3**3 + 2.0 * 0.05 * 0.1  # pressure, springs and damping
+    _, pace = first_step(1e-6, friction=0.0)
+    assert (pace.error, pace.doubt) == (0.0, pytest.approx(1e-13 * terms, rel=1e-3))
+    assert first_step(1e-6)[1].doubt == 0.0
+    assert first_step(1e-6, friction=0.0, start=300.0)[1].doubt == 1e-6  # of 1e7 no digits are left beyond
+
+
 def test_no_step_is_so_short_that_its_powers_leave_the_range_of_floats():
     """Its coefficients are divided by them: of a step shorter by four decades some are no numbers."""
     coefficients = coefficients_of(Groups(), Scene())
