@@ -14,7 +14,7 @@ from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.reservoir import memory_capacity
 from stickslip.studies.benchmark import Record, run_benchmark, STANDARD_RESERVOIRS, table
 from stickslip.studies.trade.front import fronts
-from stickslip.studies.trade.plan import Cell, LIMIT, Trade, TRAINED
+from stickslip.studies.trade.plan import Cell, FULL, LIMIT, QUICK, Trade, TRAINED
 from stickslip.studies.trade.report import areas
 from stickslip.studies.trade.report import table as table_of_front
 from stickslip.studies.trade.running import TradeFolder
@@ -65,6 +65,15 @@ def trade(shown):
 
 def lines(figure):
     return {line.get_label(): line.get_xydata() for ax in figure.axes for line in ax.lines}
+
+
+def test_a_demo_of_the_usual_size_is_no_larger_than_a_quick_trade():
+    usual = dict(tour._TRADE)
+    weights, holds = usual.pop("weights"), usual.pop("holds")
+    assert all(2 <= usual[name] <= QUICK[name] for name in usual)
+    assert set(weights) < set(QUICK["weights"])
+    assert {0.0, tour._MEMORY_WEIGHT} < set(weights)
+    assert holds <= FULL["holds"]
 
 
 def test_the_folder_holds_what_the_page_shows(shown):
