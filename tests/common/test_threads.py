@@ -1,5 +1,8 @@
 """Scores are made with one thread of BLAS, and what the caller had is left as it was."""
 
+import sys
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -67,6 +70,19 @@ def test_the_libraries_have_so_many_threads_inside_the_block_alone(count):
             raise RuntimeError("inside")
         assert (torch.get_num_threads(), threads()) == (3, {3})
     torch.set_num_threads(before)
+
+
+def test_a_torch_whose_threads_are_not_those_of_openmp_is_limited_too(monkeypatch):
+    asked = []
+    torch = SimpleNamespace(get_num_threads=lambda: 7, set_num_threads=asked.append)
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    with library_threads(2):
+        assert asked == [2]
+    assert asked == [2, 7]
+    monkeypatch.delitem(sys.modules, "torch")
+    with library_threads(2):
+        assert threads() == {2}
+    assert asked == [2, 7]
 
 
 @pytest.mark.parametrize(("count", "error"), [(0, ValueError), (1.0, TypeError)])

@@ -10,7 +10,7 @@ import pytest
 from safetensors.numpy import load, save
 
 from stickslip.train.policies import Policy, read_policy, write_policy
-from stickslip.train.policies.description import canonical, FORMAT
+from stickslip.train.policies.description import canonical, checked, FORMAT
 
 SIZES = [6, 3, 2]
 
@@ -151,6 +151,37 @@ def test_forged_descriptions_are_refused(tmp_path, change, message):
         read_policy(tmp_path / "p")
 
 
+@pytest.mark.parametrize(
+    ("sizes", "fits"),
+    [
+        ([6, 1, 2], True),
+        ([6, 0, 2], False),
+        ([6, 4096, 2], True),
+        ([6, 4097, 2], False),
+        ([6, 2], True),
+        ([6, *[1] * 15, 2], True),
+        ([6, *[1] * 16, 2], False),
+        ([6, 3.0, 2], False),
+    ],
+)
+def test_networks_have_up_to_16_layers_up_to_4096_wide(sizes, fits):
+    description = described(network={"sizes": sizes, "activation": "relu", "outputs": "action values"})
+    if fits:
+        assert checked(description) == description
+    else:
+        with pytest.raises(ValueError, match=r"^sizes must be 2 to 17 whole numbers in \[1, 4096\], got \[6, "):
+            checked(description)
+
+
+def test_a_refusal_shows_the_begin_of_what_is_long():
+    network = {"sizes": SIZES, "activation": "x" * 1000, "outputs": "logits"}
+    with pytest.raises(ValueError, match=r"activation") as caught:
+        checked(described(network=network))
+    assert str(caught.value) == f"activation must be one of ['tanh', 'relu'], got '{'x' * 199}..."
+    with pytest.raises(ValueError, match=r"^activation must be one of \['tanh', 'relu'\], got 'x{198}'$"):
+        checked(described(network={**network, "activation": "x" * 198}))
+
+
 @pytest.mark.parametrize("name", [name for name in described() if name != "format"])
 def test_what_lacks_something_is_refused(tmp_path, name):
     description = described()
@@ -241,7 +272,10 @@ def test_descriptions_of_another_form_are_refused(kept, text):
 
 def test_what_is_too_large_is_not_read(kept):
     text = description_of(kept).read_text(encoding="utf-8")
-    description_of(kept).write_text(text + " " * 2**20, encoding="utf-8")
+    size = len(text.encode())
+    description_of(kept).write_text(text + " " * (2**20 - size), encoding="utf-8")
+    assert read_policy(kept).description == described()
+    description_of(kept).write_text(text + " " * (2**20 - size + 1), encoding="utf-8")
     assert "must have at most 1048576 bytes" in refusal(kept)
     description_of(kept).write_text(text, encoding="utf-8")
     with weights_of(kept).open("ab") as file:

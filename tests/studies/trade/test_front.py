@@ -198,6 +198,12 @@ def test_tables_have_a_row_a_policy_and_say_what_an_episode_pays():
     assert [row[0] for row in body if row[0].startswith("policy")] == ["policy seed 0"] * 3
     assert [row[-2] for row in body][-2] == "2.40 (80%)"
     assert all(set(row) == set(COLUMNS) for row in rows(a_front()))
+    # The ends of an interval stand behind its mean.
+    ends = [k for k, name in enumerate(COLUMNS) if name.endswith("_low")]
+    assert len(ends) > 1
+    for k in ends:
+        mean = COLUMNS[k].removesuffix("_low")
+        assert COLUMNS[k - 1 : k + 2] == (mean, f"{mean}_low", f"{mean}_high")
 
 
 def test_the_figure_shows_every_point_and_what_bounds_them():
