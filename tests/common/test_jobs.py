@@ -108,6 +108,9 @@ class Future:
     def release(self):
         self.released = True
 
+    def cancelled(self):
+        return False
+
 
 class Client:
     """What Dask's client does for `as_done`, at once and in this process, the job of most priority first."""

@@ -86,10 +86,18 @@ def test_a_training_is_judged_by_no_more_than_letters(asked):
     (configuration, folder), named = asked["train"]
     assert configuration == TRADE.configuration(0.1, 0.5, 3)
     assert not folder.exists()
-    assert list(named) == ["judging"]
+    assert set(named) == {"judging", "begin"}
     assert named["judging"].longest_word == 1
+    assert named["begin"] is None
     assert asked["read"] == (("best",), {})
     assert done == ({}, POLICY)
+
+
+def test_a_training_above_a_floor_begins_from_the_policy_below(asked):
+    finish(Job(TRADE, Cell(TRAINED, 0.1, None, 3, floor=0.2), (EITHER,)))
+    (configuration, _), named = asked["train"]
+    assert configuration == TRADE.configuration(0.1, None, 3, 0.2, climbed=True)
+    assert named["begin"] is EITHER
 
 
 def test_a_distillation_is_of_the_cells_policies_and_seed(asked):
@@ -101,10 +109,13 @@ def test_a_distillation_is_of_the_cells_policies_and_seed(asked):
 @pytest.mark.parametrize("dither", [0.0, 0.1])
 def test_a_policy_is_judged_in_long_episodes_and_by_what_the_first_thousand_steps_pay(dither):
     trained = policy_of_layers([(POLICY.layers[0].weight, POLICY.layers[0].bias)], {"dither": dither, "hold": 0.75})
+    evaluated = {"reward": 0.3, "speed": 0.2, "memory": 1.5}
+    trained = trained.scored({name: {"mean": mean} for name, mean in evaluated.items()})
     trade = Trade(weights=(0.0, 0.5), dithers=(dither,), seeds=1, judges=2, holds=1200, env_kwargs={"hold": 0.75})
     done = finish(Job(trade, Cell(JUDGED[TRAINED], dither, 0.0, 0), (trained,)))
     runs = roll_outs(trained, trained.env_kwargs, steps=1200, seeds=SEEDS)
     told = done.result
+    assert told["evaluated"] == evaluated
     assert (told["seeds"], told["holds"]) == (SEEDS, 1200)
     assert told["speeds"] == [run.performance.speed for run in runs]
     for name, row in (("speeds", 0), ("memories", 1)):
