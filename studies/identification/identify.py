@@ -39,6 +39,7 @@ _FRACTIONS = (1e-3, 0.999)  # of the mass that the foot may have
 _FIRST = 12  # holds on which starts are compared
 _LENGTHENED = 3.0  # the run grows by this factor
 _KEPT = 8  # starts that are followed
+_VALLEYS = np.geomspace(0.85, 1 / 0.85, 24)  # ratios of static frictions that are compared at the end
 _STEP = 1e-5  # of differences, in units of the guess
 _HUGE = 1e6  # residual of a body that cannot be simulated
 _UNKNOWN = 0.5  # a relative standard error above this is told
@@ -163,7 +164,9 @@ def identify(
     point = points[np.argmin(problem.costs(points, longest))]
     for _ in range(2):  # weights by what is left, then the fit by these weights
         problem.weigh(point)
-        point = problem.descend(point, longest)
+        starts_again = problem.about_the_static_friction(point, longest)
+        ends = np.array([problem.descend(start, longest) for start in starts_again])
+        point = ends[np.argmin(problem.costs(ends, longest))]
     return problem.told(point)
 
 
@@ -239,6 +242,19 @@ class _Problem:
             points[:, self.kinetic] = spread[:, self.kinetic]
             points[0, self.kinetic] = self.guess.kinetic_friction / max(self.guess.static_friction, 1e-300)
         return np.clip(points, low, high)
+
+    def about_the_static_friction(self, point: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
+        """A point, and the nearest valley along its static friction, whose sum of squares has a kink a slip."""
+        if "static_friction" not in self.names:
+            return point[np.newaxis]
+        points = np.tile(point, (_VALLEYS.size, 1))
+        points[:, self.names.index("static_friction")] *= _VALLEYS
+        if self.kinetic is not None:  # the kinetic one stays
+            points[:, self.kinetic] = np.minimum(points[:, self.kinetic] / _VALLEYS, 1.0)
+        low, high = self.bounds()
+        points = np.clip(points, low, high)
+        best = points[np.argmin(self.costs(points, holds))]
+        return np.unique([point, best], axis=0)
 
     def residuals(self, points: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
         """What is left of the first holds of every run, in units of the errors: (points, samples)."""

@@ -44,6 +44,7 @@ TABLES = {
     "extremes": lambda script, results: {"extremes": script.table(results)},
     "front": lambda script, results: script.tables(results),
     "front_targets": lambda script, results: script.tables(results),
+    "identification": lambda script, results: script.tables(results),
     "lyapunov_cost": lambda script, results: {"lanes": script.table(results["ratios"])},
     "map_speed": lambda script, results: script.tables(results),
     "memory_reward": of_memory_reward,
