@@ -48,7 +48,7 @@ def test_the_extras_are_those_of_the_project():
             assert {each for each in named if each not in smaller | {"stickslip"}} == installed, extra
 
 
-@pytest.mark.parametrize("package", EXTRA_OF)
+@pytest.mark.parametrize("package", sorted(EXTRA_OF))
 def test_a_missing_package_is_named_with_its_extra(monkeypatch, package):
     monkeypatch.setitem(sys.modules, package, None)
     for kind in (ModuleNotFoundError, DependencyNotInstalled, MissingExtra):
