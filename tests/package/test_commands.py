@@ -34,6 +34,8 @@ DEFAULTS = {
         "hold": 0.5,
         "groups": None,
         "env_kwargs": "{}",
+        "floor": None,
+        "start": "even",
         "steps": None,
         "seed": 0,
         "algorithm": "ppo",
@@ -118,10 +120,12 @@ DEFAULTS = {
         "over": None,
         "output": "runs/lyapunov",
     },
+    "reproduce": {"figures": None, "output": "runs/claims", "quick": False},
     "trade": {
         "output": "runs/trade",
         "quick": False,
         "weights": None,
+        "floors": None,
         "dithers": None,
         "seeds": None,
         "hold": 0.5,
@@ -205,6 +209,7 @@ def trained(tmp_path_factory):
     command = ["train", "--output", folder / "run", "--memory-weight", 0.25, "--dither", 0.2, "--hold", 0.75]
     command += ["--groups", '{"duffing": 2}', "--env-kwargs", '{"delays": 3, "scene": {"slope": 0.125}}']
     command += ["--steps", 16, "--seed", 5, "--algorithm", "a2c", "--hyperparameters", file]
+    command += ["--start", "open"]
     assert run(list(map(str, command))) == 0
     return folder / "run"
 
@@ -223,6 +228,8 @@ def test_a_training_is_of_all_that_was_asked_for(trained):
         },
         "hyperparameters": {"n_envs": 2, "n_timesteps": 16, "policy": "MlpPolicy", "n_steps": 4},
         "seed": 5,
+        "floor": None,
+        "start": "open",
     }
     assert Run.open(trained).latest_checkpoint().name == "16_steps.zip"
 
