@@ -8,7 +8,7 @@ import gymnasium as gym
 import numpy as np
 
 from .compiling.compilation import Kernel
-from .crawler import Groups, Scene, simulate
+from .crawler import Groups, lyapunov_spectrum, Scene, simulate
 from .crawler.solvers import SOLVERS
 from .envs import StickSlipCrawlerEnv
 from .envs.batch_kernel import STEP_BATCH
@@ -20,6 +20,7 @@ __all__ = ["uses", "where_kept"]
 
 _LINEAR = {"duffing": 0.0, "radial_coupling": 0.0}
 _STIFF = {"damping_ratio": 200.0}
+_CHAIN = Scene(segments=2, tube_mass=0.2)
 
 
 def where_kept() -> str:
@@ -46,6 +47,7 @@ def uses() -> Iterator[tuple[str, Callable[[], object]]]:
     yield "simulate, closed form", partial(_simulate, "closed_form", 1e-9, _LINEAR)
     yield "simulate, Radau collocation", partial(_simulate, "radau", 1e-9, {})
     yield "simulate, chain of segments", _chain
+    yield "exponents, chain of segments", _chain_exponents
     bodies: list[tuple[str, float, dict[str, float]]] = [
         (f"Taylor series of order {order}", tolerance, {}) for order, tolerance in tolerances
     ]
@@ -72,7 +74,11 @@ def _simulate_batch(tolerance: float) -> object:
 
 
 def _chain() -> object:
-    return simulate(Groups(), [1, 0], 0.5, scene=Scene(segments=2, tube_mass=0.2))
+    return simulate(Groups(), [1, 0], 0.5, scene=_CHAIN)
+
+
+def _chain_exponents() -> object:
+    return lyapunov_spectrum(Groups(), [1, 0], 0.5, scene=_CHAIN, washout=0)
 
 
 def _environment(settings: dict[str, Any]) -> None:
