@@ -8,6 +8,7 @@ from stickslip import Groups, memory_capacity, simulate
 from stickslip.tasks import body_states, dithered
 
 
+@pytest.mark.slow
 def test_a_linear_body_remembers_what_is_known_exactly():
     linear = Groups(duffing=0.0, radial_coupling=0.0, damping_ratio=0.2, deborah=0.5)
     exact = edge.exact_profile(linear, 0.5, 400)

@@ -140,6 +140,7 @@ def test_the_cost_of_a_condition_is_that_over_the_run_without_in_the_same_round(
     assert "| linear | closed form | 1.50 [1.50, 1.50] |" in tables["condition"]
 
 
+@pytest.mark.slow
 def test_the_cost_of_a_scene_is_a_unit_of_time_s_and_over_the_crawler_s(printed, monkeypatch):
     short = {name: scenes.CASES[name] for name in (scenes.CRAWLER, "anchored, linear")}
     monkeypatch.setattr(scenes, "CASES", short)
@@ -301,6 +302,7 @@ def test_steps_by_order_looks_and_predictions_by_hand(monkeypatch):
     }
 
 
+@pytest.mark.slow
 def test_a_run_that_is_broken_off_counts_by_the_time_it_reached():
     drawn = solver_choice.Drawn(Groups(), Scene(), 0.5, 1e-6, np.array([1.0, 0.0, 1.0, 0.0]))
     done = solver_choice.run(drawn, "taylor", 100_000)

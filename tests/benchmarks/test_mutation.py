@@ -162,6 +162,7 @@ def toy(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_faults_are_tried_kept_and_not_tried_again(toy):
     command = [sys.executable, "benchmarks/mutation.py", "--folder", "common", "--patience", "0.5"]
     environment = {**os.environ, "PYTHONIOENCODING": "utf-8"}
@@ -211,6 +212,7 @@ def test_what_is_known_of_the_tests_is_put_together_file_by_file():
     assert joined([*parts, other])["reached"]["import"] == {"c.py": [1, 2, 7]}
 
 
+@pytest.mark.slow
 def test_a_run_that_is_ended_leaves_nothing(toy):
     scratch = toy / "scratch"
     scratch.mkdir()
