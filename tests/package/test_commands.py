@@ -512,6 +512,7 @@ def test_what_is_compiled_ahead_is_every_order_of_every_kind():
         *(f"simulate, a batch by Taylor series of order {order}" for order in orders),
         "episodes drawn",
         "simulate, chain of segments",
+        "exponents, chain of segments",
         "recursive least squares",
         "memory reward",
         "reward's target",
