@@ -287,7 +287,10 @@ class Nursery:
 
     def close(self) -> None:
         """End the process, and the run that may be going on."""
+        assert self._process.stdin is not None
         self._process.terminate()
+        # A signal that comes just before the process waits for words is not heard until the words end.
+        self._process.stdin.close()
         self._process.wait()
 
     def _say(self, words: Any) -> None:

@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import mutation
@@ -17,7 +18,7 @@ from mutating.page import page, wilson
 from mutating.records import Equivalents
 from mutating.sampling import changed_lines, drawn
 from mutating.source import same_code
-from mutating.trials import joined, part_of
+from mutating.trials import joined, Nursery, part_of
 from scipy.stats import binomtest
 
 ROOT = Path(__file__).parents[2]
@@ -210,6 +211,15 @@ def test_what_is_known_of_the_tests_is_put_together_file_by_file():
     assert joined(parts) == report
     other = {"seconds": {}, "each": {}, "reached": {"import": {"c.py": [2, 7]}}}
     assert joined([*parts, other])["reached"]["import"] == {"c.py": [1, 2, 7]}
+
+
+def test_a_process_that_does_not_hear_that_it_should_end_ends_with_its_words(monkeypatch):
+    nursery = Nursery([], os.environ)
+    monkeypatch.setattr(nursery._process, "terminate", lambda: None)
+    closing = threading.Thread(target=nursery.close, daemon=True)
+    closing.start()
+    closing.join(60.0)
+    assert not closing.is_alive()
 
 
 @pytest.mark.slow
