@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-__all__ = ["atomically"]
+__all__ = ["atomically", "write_text"]
 
 
 def atomically(path: Path, write: Callable[[Path], Any]) -> None:
@@ -26,3 +26,8 @@ def atomically(path: Path, write: Callable[[Path], Any]) -> None:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file of text in UTF-8, whole or not at all."""
+    atomically(path, lambda unfinished: unfinished.write_text(text, encoding="utf-8"))

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from .files import atomically
+from .files import write_text
 from .fingerprint import described, refuse_other
 
 __all__ = ["Kept"]
@@ -73,4 +73,4 @@ class Kept:
 
     def _write(self, name: str, content: Any) -> None:
         text = json.dumps(content) + "\n"
-        atomically(self._folder / f"{name}.json", lambda unfinished: unfinished.write_text(text, encoding="utf-8"))
+        write_text(self._folder / f"{name}.json", text)

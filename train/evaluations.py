@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from ..common.files import atomically
+from ..common.files import write_text
 
 __all__ = ["Evaluation", "best_of", "read_evaluations", "write_evaluations"]
 
@@ -64,7 +64,7 @@ def write_evaluations(file: Path, evaluations: Sequence[Evaluation]) -> None:
     """
     rows = (",".join([str(each.steps), *(repr(value) for value in each[1:])]) for each in evaluations)
     text = "\n".join([",".join(_COLUMNS), *rows]) + "\n"
-    atomically(file, lambda path: path.write_text(text, encoding="utf-8"))
+    write_text(file, text)
 
 
 def best_of(evaluations: Sequence[Evaluation]) -> Evaluation:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.files import atomically
+from ..common.files import write_text
 from ..common.validation import number_within
 from ..crawler import Actuator
 from ..envs import StickSlipCrawlerEnv
@@ -173,7 +173,7 @@ def write_csv(schedule: Played, file: Path) -> None:
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(_COLUMNS)
     rows.writerows(zip(*(column.tolist() for column in schedule), strict=True))
-    atomically(file, lambda path: path.write_text(text.getvalue(), encoding="utf-8"))
+    write_text(file, text.getvalue())
 
 
 def write_json(schedule: Played, file: Path, actuator: Actuator, told: Mapping[str, Any]) -> None:
@@ -186,7 +186,7 @@ def write_json(schedule: Played, file: Path, actuator: Actuator, told: Mapping[s
     """
     columns = {name: column.tolist() for name, column in zip(_COLUMNS, schedule, strict=True)}
     text = json.dumps({"format": FORMAT, **told, "actuator": asdict(actuator), **columns}) + "\n"
-    atomically(file, lambda path: path.write_text(text, encoding="utf-8"))
+    write_text(file, text)
 
 
 _COLUMNS = ("time_s", "volts", "valve", "command")

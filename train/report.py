@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..common.figures import save_figure
-from ..common.files import atomically
+from ..common.files import write_text
 from ..common.fingerprint import refuse_other
 from ..crawler import simulate
 from ..envs import StickSlipCrawlerEnv
@@ -177,7 +177,7 @@ def evaluate_policy(
     )
     save_figure(gait.plot(), output / "gait.png")
     text = json.dumps(result, indent=2) + "\n"
-    atomically(output / "results.json", lambda path: path.write_text(text, encoding="utf-8"))
+    write_text(output / "results.json", text)
     if video:
         film(policy, output / "clip.mp4", env_kwargs=arguments, seed=int(seeds[0]))
     return result

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..common.extras import optional_import
-from ..common.files import atomically
+from ..common.files import write_text
 from ..common.validation import known_names, number_within, whole_number
 from ..envs.settings import Settings
 from ..envs.specification import plain
@@ -166,7 +166,7 @@ class Run:
         """
         self.configuration = configuration
         text = yaml.safe_dump(asdict(configuration), sort_keys=False)
-        atomically(self.folder / "configuration.yml", lambda path: path.write_text(text, encoding="utf-8"))
+        write_text(self.folder / "configuration.yml", text)
 
     @property
     def best(self) -> Path:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..common.files import atomically
+from ..common.files import write_text
 from .evaluation import Acting
 from .long_runs import LongRuns, of_policy, of_words
 from .schedules import necklaces
@@ -239,8 +239,8 @@ def write_verdict(verdict: Verdict, folder: Path) -> None:
         If they cannot be written.
     """
     page, table = verdict.to_markdown(), json.dumps(verdict.to_dict(), indent=1) + "\n"
-    atomically(folder / "report.md", lambda path: path.write_text(page, encoding="utf-8"))
-    atomically(folder / REPORT, lambda path: path.write_text(table, encoding="utf-8"))
+    write_text(folder / "report.md", page)
+    write_text(folder / REPORT, table)
 
 
 def read_report(folder: Path) -> dict[str, Any] | None:

@@ -167,9 +167,7 @@ class Actuator:
         }.items():
             number_within(name, value, "(0, inf)")
             number_within(name, value, _MODULI if name == "youngs_modulus" else _LENGTHS)
-        for name, value in {"density": density, "payload_mass": payload_mass, "foot_mass": foot_mass}.items():
-            number_within(name, value, "[0, inf)")
-            number_within(name, value, "[0, 1e15]")
+        _refuse_masses(density=density, payload_mass=payload_mass, foot_mass=foot_mass)
         if inner_radius >= outer_radius:
             raise ValueError(f"inner_radius must be in (0, outer_radius = {outer_radius!r}), got {inner_radius!r}")
         wall_area = math.pi * (outer_radius**2 - inner_radius**2)
@@ -228,8 +226,7 @@ class Actuator:
         ValueError
             If a value is out of range, the tube balloons under the peak pressure, or pressure does not push it.
         """
-        for name, value in {"density": density, "payload_mass": payload_mass, "foot_mass": foot_mass}.items():
-            number_within(name, value, "[0, 1e15]")
+        _refuse_masses(density=density, payload_mass=payload_mass, foot_mass=foot_mass)
         if tube.thread_radius is None:
             raise ValueError(
                 "tube must have a thread_radius, got None: pressure does not lengthen a tube without threads"
@@ -312,3 +309,10 @@ class Actuator:
             static_friction=self.static_friction * weight,
             kinetic_friction=self.kinetic_friction * weight,
         )
+
+
+def _refuse_masses(**masses: float) -> None:
+    """Refuse what is no density or mass of a tube and of what is fixed to it."""
+    for name, value in masses.items():
+        number_within(name, value, "[0, inf)")
+        number_within(name, value, "[0, 1e15]")

@@ -5,7 +5,7 @@ from typing import Annotated, TYPE_CHECKING
 
 from ..common.extras import optional_import
 from ..common.validation import whole_number
-from .options import groups_of, GroupsOption, json_object, SceneOption
+from .options import groups_of, GroupsOption, InputsOption, json_object, SceneOption
 from .printing import print_table, progress, say
 
 with optional_import():
@@ -24,9 +24,7 @@ def lyapunov(
     groups: GroupsOption = None,
     scene: SceneOption = "{}",
     hold: Annotated[float, typer.Option(help="Length of a hold, natural time.")] = 0.5,
-    inputs: Annotated[
-        str, typer.Option(help="'bits', 'bernoulli:0.3', or a word and the probability of a flip, 'word:0011:0.1'.")
-    ] = "bits",
+    inputs: InputsOption = "bits",
     holds: Annotated[int, typer.Option(help="Of each run, from rest.")] = 4200,
     washout: Annotated[int, typer.Option(help="Holds at its start that are not measured.")] = 200,
     seeds: Annotated[int, typer.Option(help="Runs, each with its own input.")] = 1,

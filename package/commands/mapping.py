@@ -6,7 +6,7 @@ from typing import Annotated, TYPE_CHECKING
 from ..common.extras import optional_import
 from ..common.sharing import processors
 from ..common.validation import known_names, whole_number
-from .options import groups_of, GroupsOption, json_object, SceneOption
+from .options import groups_of, GroupsOption, InputsOption, json_object, SceneOption
 from .printing import print_table, progress, say
 
 with optional_import():
@@ -35,9 +35,7 @@ def map_numbers(
     groups: GroupsOption = None,
     scene: SceneOption = "{}",
     hold: Annotated[float, typer.Option(help="Length of a hold, natural time.")] = 0.5,
-    inputs: Annotated[
-        str, typer.Option(help="'bits', 'bernoulli:0.3', or a word and the probability of a flip, 'word:0011:0.1'.")
-    ] = "bits",
+    inputs: InputsOption = "bits",
     nodes: Annotated[int, typer.Option(help="Readings a hold; 1 for the raw states.")] = 4,
     holds: Annotated[int, typer.Option(help="Of each run, from rest.")] = 4000,
     washout: Annotated[int, typer.Option(help="Holds at its start that are not scored.")] = 200,

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "GroupsOption",
+    "InputsOption",
     "SceneOption",
     "TrustOption",
     "WeightOption",
@@ -28,6 +29,10 @@ GroupsOption: TypeAlias = Annotated[
     str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")
 ]
 SceneOption: TypeAlias = Annotated[str, typer.Option(help="JSON such as '{\"ratchet\": false}'.")]
+
+InputsOption: TypeAlias = Annotated[
+    str, typer.Option(help="'bits', 'bernoulli:0.3', or a word and the probability of a flip, 'word:0011:0.1'.")
+]
 
 TrustOption: TypeAlias = Annotated[
     bool,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..common.extras import optional_import
-from ..common.files import atomically
+from ..common.files import write_text
 
 with optional_import():
     from rich.box import SIMPLE_HEAD
@@ -81,4 +81,4 @@ def print_whole(table: Table) -> None:
 def write_json(file: Path, value: dict[str, Any], *, indent: int) -> None:
     """Write a file whole or not at all."""
     text = json.dumps(value, indent=indent) + "\n"
-    atomically(file, lambda path: path.write_text(text, encoding="utf-8"))
+    write_text(file, text)

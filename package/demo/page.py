@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..common.extras import optional_import
-from ..common.files import atomically
+from ..common.files import write_text
 
 __all__ = ["write_page"]
 
@@ -26,4 +26,4 @@ def write_page(file: Path, **content: Any) -> None:
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     template = environment.from_string((resources.files(__package__) / "page.html.jinja").read_text("utf-8"))
     page = template.render(**content)
-    atomically(file, lambda path: path.write_text(page, encoding="utf-8"))
+    write_text(file, page)

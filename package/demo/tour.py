@@ -8,7 +8,7 @@ from typing import Any
 
 from ..common.extras import optional_import
 from ..common.figures import save_figure
-from ..common.files import atomically
+from ..common.files import write_text
 from ..common.sharing import processors
 from ..common.threads import library_threads
 from ..crawler import Groups, simulate
@@ -114,9 +114,7 @@ def run_demo(folder: Path, seed: int = 0, steps: int | None = None) -> None:
         "memory capacity": {name: profile.corrected for name, profile in profiles.items()},
         "trade": {str(each.dither): each.summary() for each in (quiet, front)},
     }
-    atomically(
-        folder / "results.json", lambda path: path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
-    )
+    write_text(folder / "results.json", json.dumps(results, indent=2) + "\n")
     write_page(
         folder / "index.html",
         crawl=crawl,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from ...common.figures import save_figure
-from ...common.files import atomically
+from ...common.files import write_text
 from ...common.threads import library_threads
 from ...common.validation import known_names, whole_number
 from ...common.workers import worker_processes
@@ -209,11 +209,11 @@ class Bench:
             "made for": {name: self._made_for[name] for name in ("tasks", "reservoirs")},
         }
         text = json.dumps(told, indent=1) + "\n"
-        atomically(self.folder / "benchmark.json", lambda path: path.write_text(text, encoding="utf-8"))
+        write_text(self.folder / "benchmark.json", text)
         page = as_markdown(rows) + "\n"
         if compared:
             page += f"\nDifferences from {self.against} on the same draws:\n\n{as_markdown(compared)}\n"
-        atomically(self.folder / "table.md", lambda path: path.write_text(page, encoding="utf-8"))
+        write_text(self.folder / "table.md", page)
         for name, figure in self._figures(records, found, paired):
             save_figure(figure, self.folder / f"{name}.png")
         return rows, compared

@@ -6,9 +6,9 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t
 
 from ...crawler import Groups, simulate
+from ...reservoir import mean_over_runs
 from ...tasks import random_bits
 from ..identification import Measurements, regress
 from .claim import Claim, Number
@@ -198,8 +198,7 @@ def _group_error(noise: float, seed: int) -> float:
 
 def _interval(values: NDArray[np.float64]) -> Number:
     """Mean and 95% interval of it, by Student's t."""
-    mean = float(values.mean())
     if values.size < 2:
-        return Number(mean)
-    wide = float(t.ppf(0.975, values.size - 1) * values.std(ddof=1) / np.sqrt(values.size))
-    return Number(mean, mean - wide, mean + wide)
+        return Number(float(values[0]))
+    found = mean_over_runs(values, bounds=(-np.inf, np.inf))
+    return Number(found.mean) if np.isnan(found.low) else Number(found.mean, found.low, found.high)

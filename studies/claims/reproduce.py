@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from ...common.figures import save_figure
-from ...common.files import atomically
+from ...common.files import write_text
 from ...common.validation import known_names
 from . import crawl, laws, laws_figure, twin, twin_figure
 from .claim import Claim, CLAIMS
@@ -91,8 +91,8 @@ def reproduce(
             decided.append(claim)
             pictures[claim.name] = picture.name
         decided.sort(key=lambda claim: list(CLAIMS).index(claim.name))
-        _write(folder / "claims.json", json.dumps([claim.as_json() for claim in decided], indent=1) + "\n")
-        _write(folder / "index.md", as_markdown(decided, pictures))
+        write_text(folder / "claims.json", json.dumps([claim.as_json() for claim in decided], indent=1) + "\n")
+        write_text(folder / "index.md", as_markdown(decided, pictures))
     return decided
 
 
@@ -112,7 +112,3 @@ def as_markdown(decided: Sequence[Claim], pictures: dict[str, str]) -> str:
             shown.add(picture)
             lines += ["", f"![{Path(picture).stem} of the paper, redone]({picture})"]
     return "\n".join(lines) + "\n"
-
-
-def _write(file: Path, text: str) -> None:
-    atomically(file, lambda unfinished: unfinished.write_text(text, encoding="utf-8"))

@@ -5,14 +5,17 @@ acceleration, and with it z'', jumps when the foot breaks loose or stops: no pol
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.preprocessing import PolynomialFeatures
 
 from ...common.extras import optional_import
-from ...crawler import Groups, simulate, Trajectory
+from ...crawler import Groups, Scene, simulate, Trajectory
+from ...crawler.model.equations import force
+from ...crawler.model.state import coefficients_of
+from ...reservoir import nrmse
 from ...tasks import random_bits
 from ..identification.regression import payload_law
 
@@ -27,6 +30,7 @@ Target = Literal["payload", "foot", "deformation"]
 TARGETS: tuple[Target, ...] = ("payload", "foot", "deformation")
 """Whose acceleration is regressed."""
 
+_force: Any = force  # a formula, of arrays as of numbers
 _SUPPORT = 0.4  # half the length of the weak form's bumps, natural time
 _MODELS = 20  # of an ensemble
 _TOLERANCE = 1e-10
@@ -76,11 +80,10 @@ class Fit:
 
 def accelerations(groups: Groups, motion: Trajectory) -> dict[Target, _Array]:
     """Exact accelerations of payload, foot and deformation at the samples, on level ground with a ratcheted foot."""
-    z, v, p = motion.deformation, motion.velocity, motion.pressure
     r = groups.foot_mass_fraction
-    force = p * (1.0 + groups.radial_coupling * z) - z - groups.duffing * z**3 - 2.0 * groups.damping_ratio * v
-    payload = force / (1.0 - r)
-    foot = np.where(motion.foot_velocity > 0.0, -(force + groups.kinetic_friction) / r, 0.0)
+    pull = _force(coefficients_of(groups, Scene()), motion.deformation, motion.velocity, motion.pressure)
+    payload = pull / (1.0 - r)
+    foot = np.where(motion.foot_velocity > 0.0, -(pull + groups.kinetic_friction) / r, 0.0)
     return {"payload": payload, "foot": foot, "deformation": payload - foot}
 
 
@@ -143,7 +146,7 @@ def fit(setting: Setting, groups: Groups, *, hold: float = 1.0, holds: int = 200
 
 def nmse(told: _Array, true: _Array) -> float:
     """Mean squared error over the variance of what is true."""
-    return float(np.mean((told - true) ** 2) / np.var(true))
+    return nrmse(told, true) ** 2
 
 
 def _velocity(motion: Trajectory, target: Target) -> _Array:

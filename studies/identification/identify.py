@@ -192,7 +192,7 @@ class _Problem:
         return list(dict.fromkeys(name for run in self.runs for name in run.measured))
 
     def _spread(self, name: str) -> float:
-        """Standard deviation of a channel, to weigh it by until its errors are known; of a position, of its steps."""
+        """Standard deviation of a channel, to weigh it by until its errors are known."""
         values = [getattr(run, name) for run in self.runs if name in run.measured]
         spread = float(np.sqrt(np.mean([np.nanvar(each) for each in values])))
         return spread or 1.0

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
-from ...crawler import Actuator, Groups, Scene, simulate, SolverError, Trajectory
+from ...crawler import Actuator, Groups, Scene, simulate, Trajectory
+from ..halving import by_halves
 from .measurements import Measurements
 
 __all__ = ["Body", "predicted"]
@@ -38,37 +39,22 @@ def predicted(
     dict of str to (bodies, samples) array
         NaN for a body that cannot be simulated.
     """
-    motion = _simulated(bodies, run, scene, tolerance)
     found = {name: np.full((len(bodies), run.times.size), np.nan) for name in run.measured}
-    for body, moved, rows in motion:
-        for name, values in found.items():
-            values[rows] = _channel(name, body, moved, run)
-    return found
 
-
-def _simulated(
-    bodies: Sequence[Body], run: Measurements, scene: Scene, tolerance: float, first: int = 0
-) -> list[tuple[Sequence[Body], Trajectory, slice]]:
-    """Batches of those bodies that can be simulated: a batch in which one cannot is halved."""
-    scales = np.array([_units(body)[1] for body in bodies])
-    try:
-        moved = simulate(
-            [body if isinstance(body, Groups) else body.groups for body in bodies],
-            np.tile(run.valve, (len(bodies), 1)),
-            run.hold / scales,
+    def motion(some: Sequence[Body]) -> Trajectory:
+        return simulate(
+            [body if isinstance(body, Groups) else body.groups for body in some],
+            np.tile(run.valve, (len(some), 1)),
+            run.hold / np.array([_units(body)[1] for body in some]),
             scene=scene,
             tolerance=tolerance,
             samples_per_hold=run.samples_per_hold or _FINE,
         )
-    except SolverError:
-        if len(bodies) == 1:
-            return []
-        half = len(bodies) // 2
-        return [
-            *_simulated(bodies[:half], run, scene, tolerance, first),
-            *_simulated(bodies[half:], run, scene, tolerance, first + half),
-        ]
-    return [(bodies, moved, slice(first, first + len(bodies)))]
+
+    for rows, moved in by_halves(motion, bodies):
+        for name, values in found.items():
+            values[rows] = _channel(name, bodies[rows], moved, run)
+    return found
 
 
 def _channel(name: str, bodies: Sequence[Body], moved: Trajectory, run: Measurements) -> NDArray[np.float64]:

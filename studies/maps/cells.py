@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.threads import library_threads
-from ...crawler import simulate, SolverError
+from ...crawler import simulate
 from ...tasks import BodyReservoir
+from ..halving import by_halves
 from .inputs import Driving
 from .measures import Driven, MEASURES
 from .plan import Block, Plan
@@ -69,8 +70,15 @@ def measured(job: Job) -> dict[str, NDArray[Any]]:
         name: np.full((cells * seeds, *([len(plan.points[each.along])] if each.along else [])), np.nan)
         for name, each in plan.variables.items()
     }
+
+    def told(some: Sequence[_Run]) -> dict[str, NDArray[Any]]:
+        driven = _drive(plan, some, job.threads)
+        return {name: each for measure in plan.measures for name, each in MEASURES[measure].compute(driven).items()}
+
     with library_threads(1):
-        _measure(plan, runs, places, job.threads, found)
+        for rows, values in by_halves(told, runs):
+            for name, each in values.items():
+                found[name][places[rows]] = each
     finished = np.ones(cells * seeds, np.bool_)
     for name, each in found.items():
         finished &= ~np.isnan(each.reshape(cells * seeds, -1)).any(axis=1)
@@ -82,25 +90,6 @@ def measured(job: Job) -> dict[str, NDArray[Any]]:
 def _possible(body: BodyReservoir, numbers: dict[str, float]) -> bool:
     own = body.groups.to_dict() | numbers
     return own["kinetic_friction"] <= own["static_friction"]
-
-
-def _measure(
-    plan: Plan, runs: Sequence[_Run], places: Sequence[int], threads: int | None, found: dict[str, NDArray[Any]]
-) -> None:
-    """Measure runs into their places; those that the solver gives up are found by halves, and left out."""
-    if not runs:
-        return
-    try:
-        driven = _drive(plan, runs, threads)
-        told = {name: each for measure in plan.measures for name, each in MEASURES[measure].compute(driven).items()}
-    except SolverError:
-        half = len(runs) // 2
-        if half:
-            _measure(plan, runs[:half], places[:half], threads, found)
-            _measure(plan, runs[half:], places[half:], threads, found)
-        return
-    for name, each in told.items():
-        found[name][list(places)] = each
 
 
 def _drive(plan: Plan, runs: Sequence[_Run], threads: int | None) -> Driven:

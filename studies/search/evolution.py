@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.files import atomically
+from ...common.files import write_text
 from ...common.fingerprint import described, refuse_other
 from ...common.threads import library_threads
 from ...common.validation import number_within, whole_number
@@ -331,4 +331,4 @@ def _keep(file: Path | None, settings: dict[str, Any], scored: Sequence[Evaluati
     if file is None:
         return
     text = json.dumps({"settings": settings, "evaluations": [asdict(each) for each in scored]}) + "\n"
-    atomically(file, lambda path: path.write_text(text, encoding="utf-8"))
+    write_text(file, text)

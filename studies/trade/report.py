@@ -4,11 +4,10 @@ import csv
 import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from ...common.figures import save_figure
-from ...common.files import atomically
+from ...common.files import write_text
 from ...reservoir.bootstrap import Estimate
 from ..benchmark.report import as_markdown, cell
 from .figure import plot_front
@@ -73,14 +72,14 @@ def write_report(folder: TradeFolder, fronts: Sequence[Front], *, weight: float 
     writer.writeheader()
     for front in fronts:
         writer.writerows(rows(front))
-    _write(output / "front.csv", text.getvalue())
+    write_text(output / "front.csv", text.getvalue())
     told = {
         "settings": trade.settings,
         "weights": list(trade.weights),
         "seeds": trade.seeds,
         "dithers": {str(front.dither): front.summary() for front in fronts},
     }
-    _write(output / "front.json", json.dumps(told, indent=1) + "\n")
+    write_text(output / "front.json", json.dumps(told, indent=1) + "\n")
     looked_at = {front.dither: learned(folder, front) for front in fronts if front.dither > 0}
     for front in fronts:
         if front.dither > 0:
@@ -88,7 +87,7 @@ def write_report(folder: TradeFolder, fronts: Sequence[Front], *, weight: float 
         if (seen := looked_at.get(front.dither)) is not None:
             figure = plot_learned(seen.portraits, seen.responses, seen.imitations)
             save_figure(figure, output / figure_of(front, "learned"))
-    _write(output / "index.md", _page(trade, fronts, looked_at))
+    write_text(output / "index.md", _page(trade, fronts, looked_at))
 
 
 def figure_of(front: Front, name: str = "front") -> str:
@@ -214,7 +213,3 @@ def areas(front: Front) -> list[list[str]]:
 def _ends(name: str, estimate: Estimate) -> dict[str, float | None]:
     told = as_json(estimate)
     return {name: told["mean"], f"{name}_low": told["low"], f"{name}_high": told["high"]}
-
-
-def _write(file: Path, text: str) -> None:
-    atomically(file, lambda path: path.write_text(text, encoding="utf-8"))
