@@ -39,6 +39,8 @@ NAMES = iter(range(10**6))
 def kept(tmp_path, monkeypatch):
     """A folder that kernels are kept in, for sources that count as older than this process."""
     monkeypatch.setitem(vars(config), "CACHE_DIR", str(tmp_path / "kept"))
+    # numba reads its settings anew before it compiles if the environment has changed since it last did.
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kept"))
     monkeypatch.setattr(kernel_cache, "_BEGAN", float("inf"))
     return tmp_path / "kept"
 
