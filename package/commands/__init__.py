@@ -17,6 +17,7 @@ from . import (
     demo,
     evaluate,
     export,
+    identify,
     lyapunov,
     mapping,
     names,
@@ -48,6 +49,7 @@ app.command("bench", cls=resumed("finished"))(bench.bench)
 app.command("search", cls=continued())(search.search)
 app.command("map", cls=continued())(mapping.map_numbers)
 app.command("lyapunov", cls=Interruptible)(lyapunov.lyapunov)
+app.command("identify", cls=Interruptible)(identify.identify)
 app.command("reproduce", cls=Interruptible)(reproduce.reproduce)
 app.command("compile", cls=Interruptible)(compilation.compile_kernels)
 

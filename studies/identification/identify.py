@@ -7,8 +7,8 @@ about the guess on the first few holds, where few slips can be wrong, and length
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import Any, TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from ...crawler import Actuator, Groups, GroupsLike, Scene
 from ...crawler.model.groups import RANGES
 from .measurements import Measurements, several
 from .prediction import Body, predicted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["Identification", "identify"]
 
@@ -65,6 +68,9 @@ class Identification:
         That were fitted.
     warnings : tuple of str
         What the data cannot tell.
+    runs : tuple of Measurements
+        That were fitted.
+    scene : Scene
     """
 
     body: Body
@@ -73,6 +79,8 @@ class Identification:
     noise: dict[str, float]
     samples: int
     warnings: tuple[str, ...]
+    runs: tuple[Measurements, ...]
+    scene: Scene
 
     @property
     def groups(self) -> Groups:
@@ -94,6 +102,47 @@ class Identification:
             name: (getattr(self.body, name) - wide * float(error), getattr(self.body, name) + wide * float(error))
             for name, error in zip(self.names, errors, strict=True)
         }
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """What was found, ready for JSON.
+
+        Parameters
+        ----------
+        level : float
+            Of the intervals, in (0, 1).
+        """
+        errors = np.sqrt(np.diag(self.covariance)).tolist()
+        return {
+            "units": "natural" if isinstance(self.body, Groups) else "SI",
+            "body": asdict(self.body),
+            "groups": self.groups.to_dict(),
+            "level": level,
+            "free": {
+                name: {"value": getattr(self.body, name), "standard_error": error, "interval": list(interval)}
+                for (name, interval), error in zip(self.interval(level).items(), errors, strict=True)
+            },
+            "covariance": self.covariance.tolist(),
+            "noise": self.noise,
+            "samples": self.samples,
+            "warnings": list(self.warnings),
+            "scene": self.scene.to_dict(),
+        }
+
+    def plot(self, run: int = 0) -> "Figure":
+        """What was measured in one of the runs, the fit, and what is left of it, over time.
+
+        Parameters
+        ----------
+        run : int
+            Its place among `runs`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from .figure import plot_fit
+
+        return plot_fit(self, whole_number("run", run, 0, len(self.runs) - 1))
 
 
 def identify(
@@ -330,6 +379,8 @@ class _Problem:
             noise=self._left(point),
             samples=self.samples,
             warnings=_what_is_not_told(self.names, known, directions, scale),
+            runs=tuple(self.runs),
+            scene=self.scene,
         )
 
 

@@ -120,6 +120,15 @@ DEFAULTS = {
         "over": None,
         "output": "runs/lyapunov",
     },
+    "identify": {
+        "free": None,
+        "guess": None,
+        "actuator": None,
+        "scene": "{}",
+        "hold": None,
+        "level": 0.95,
+        "output": "runs/identification",
+    },
     "reproduce": {"figures": None, "output": "runs/claims", "quick": False},
     "trade": {
         "output": "runs/trade",
