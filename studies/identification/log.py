@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -261,7 +262,7 @@ def _schedule(
 
 
 def _run(
-    times: NDArray[np.float64], schedule: NDArray[np.float64], hold: float, channels: dict[str, NDArray[np.float64]]
+    times: NDArray[np.float64], schedule: NDArray[np.float64], hold: float, channels: dict[str, Any]
 ) -> Measurements:
     """The run, by equally spaced samples where they are."""
     first = int(times[0] < _SAME_TIME * hold)  # at rest, which is known
