@@ -7,7 +7,7 @@ export OMP_NUM_THREADS ?= 1
 # Text read or written in whatever encoding the locale has is an error in the tests.
 test slow night peers: export PYTHONWARNDEFAULTENCODING ?= 1
 
-.PHONY: demo test lint types layers package slow night peers mutation bench clean
+.PHONY: demo test docs lint types layers package slow night peers mutation bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/stickslip demo
@@ -15,12 +15,16 @@ demo: $(VENV)/ready
 test: lint types layers
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
-slow: $(VENV)/interop-ready peers
+slow: $(VENV)/interop-ready $(VENV)/docs-ready peers
 	$(BIN)/python -m pytest -m slow
+
+# The site, in docs/_build/html: pages, reference and the tutorials, which are run where they have changed.
+docs: $(VENV)/docs-ready
+	$(BIN)/python -m sphinx --builder html --nitpicky --fail-on-warning --quiet docs docs/_build/html
 
 # Hypothesis searches at random here, and prints a blob with what it finds: @reproduce_failure takes it.
 night: export HYPOTHESIS_PROFILE := night
-night: $(VENV)/interop-ready
+night: $(VENV)/interop-ready $(VENV)/docs-ready
 	$(BIN)/python -m pytest -m "slow or not slow"
 
 # Jobs of others' libraries, which the development install does without.
@@ -62,5 +66,9 @@ $(VENV)/peers-ready: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[peers]'
 	touch $@
 
+$(VENV)/docs-ready: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
 clean:
-	rm -rf $(VENV) build dist runs *.egg-info src/*.egg-info
+	rm -rf $(VENV) build dist docs/_build runs *.egg-info src/*.egg-info

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .tasks.transformer import CrawlerReservoir
     from .train.policies.pretrained import pretrained
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOME = {
     "Actuator": "stickslip.crawler",
