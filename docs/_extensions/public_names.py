@@ -6,8 +6,8 @@ there. Docstrings name things in backticks: what the reference has becomes a lin
 
 import ast
 import inspect
+import os
 import re
-import sys
 from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import import_module
@@ -154,6 +154,13 @@ def _resolve(
 
 
 def _is_internal(path: str) -> bool:
-    """Whether a module of the package knows such a name, though it is not public."""
-    name = path.partition(".")[0]
-    return any(hasattr(module, name) for key, module in list(sys.modules.items()) if key.startswith("stickslip."))
+    """Whether a module of the package defines such a name, though it is not public."""
+    defined = re.compile(rf"^(?:class |def )?{path.partition('.')[0]}\b", re.MULTILINE)
+    return any(defined.search(source) for source in _sources())
+
+
+@cache
+def _sources() -> list[str]:
+    (folder,) = import_module("stickslip").__path__
+    files = (Path(at) / file for at, _, found in os.walk(folder, followlinks=True) for file in found)
+    return [file.read_text(encoding="utf-8") for file in files if file.suffix == ".py"]
