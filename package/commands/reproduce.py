@@ -14,17 +14,25 @@ __all__ = ["reproduce"]
 
 def reproduce(
     figures: Annotated[
-        list[str] | None, typer.Argument(help="Of the paper, such as fig4; claims or all for all of them.")
+        list[str] | None, typer.Argument(help="Of the paper, such as fig4, or work; claims or all for all of them.")
     ] = None,
     output: Annotated[Path, typer.Option(help="Folder of claims.json, the page and the pictures.")] = Path(
         "runs/claims"
     ),
-    quick: Annotated[bool, typer.Option("--quick", help="Three seeds instead of eight.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Three seeds instead of eight, and less of all else.")] = False,
+    processes: Annotated[int | None, typer.Option(help="That share maps; all processors by default.", min=1)] = None,
 ) -> None:
-    """Test the paper's claims: verdicts with numbers and intervals, and its figures."""
+    """Test the paper's claims: verdicts with numbers and intervals, and its figures.
+
+    What is finished in the output folder is not done again, so that an interrupted run goes on.
+    """
+    from ..common.sharing import processors
+    from ..studies.claims.page import NOT_DRAWN
     from ..studies.claims.reproduce import reproduce as decide
 
     asked = [figure for figure in figures or () if figure not in ("claims", "all")]
-    for claim in decide(output, asked, quick=quick, show=say):
+    for claim in decide(output, asked, quick=quick, processes=processes or processors(), show=say):
         say(f"{claim.name}  {claim.verdict}: {claim.sentence}")
+    if not asked:
+        say(NOT_DRAWN)
     say(f"claims.json, index.md and figures in {output}")

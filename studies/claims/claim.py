@@ -1,9 +1,15 @@
 """A claim of the paper, and what comes of it."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-__all__ = ["CLAIMS", "VERDICTS", "Claim", "Number", "Verdict"]
+import numpy as np
+from numpy.typing import NDArray
+
+from ...reservoir import mean_over_runs
+
+__all__ = ["CLAIMS", "VERDICTS", "Claim", "Number", "Verdict", "interval"]
 
 Verdict = Literal["reproduced", "reproduced in part", "not reproduced", "overturned"]
 VERDICTS: tuple[Verdict, ...] = ("reproduced", "reproduced in part", "not reproduced", "overturned")
@@ -11,10 +17,14 @@ VERDICTS: tuple[Verdict, ...] = ("reproduced", "reproduced in part", "not reprod
 CLAIMS = {
     "C1": "The model crawls forward: payload and foot advance from cycle to cycle (Fig. 1).",
     "C2": "A body of one degree of freedom tracks a multibody twin: NMSE 0.0028, < 0.01 in three regimes (4.1, S6).",
+    "C3": "Memory capacity peaks at moderate mechanical work, along Pi1 (Fig. 2).",
+    "C4": "lambda_max = 0 is a curve in Pi1 x Pi4: the edge of chaos (Fig. 3).",
+    "C5": "Memory capacity is largest exactly at that edge (Fig. 3, S7).",
     "C6": "Polynomial SINDy fails on stick-slip accelerations, NMSE 0.452 (Fig. 4, S8).",
     "C7": "A static offset makes SINDy invent a quadratic term, and removing it does not help (S9).",
     "C8": "max(0, p') and sign(p') in the library fail as well (Fig. 5, S10).",
     "C9": "So regression cannot recover the law: a kinetic stiffness limit (5.2, G).",
+    "C10": "The spread of work over an ensemble comes from stick-slip chaos and fluid lag (D, S28 to S30).",
 }
 """What the paper says, by the name of the claim."""
 
@@ -48,6 +58,8 @@ class Claim:
     numbers : dict of str to Number
     check : str
         The command that finds the numbers again.
+    body : dict of str to Number
+        What one real body does, in SI units (`stickslip.studies.claims.real_body`).
     """
 
     name: str
@@ -55,6 +67,7 @@ class Claim:
     sentence: str
     numbers: dict[str, Number] = field(default_factory=dict)
     check: str = ""
+    body: dict[str, Number] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.name not in CLAIMS:
@@ -65,3 +78,18 @@ class Claim:
     def as_json(self) -> dict[str, Any]:
         """The claim as it stands in ``claims.json``."""
         return {"claim": CLAIMS[self.name], **asdict(self)}
+
+    @classmethod
+    def from_json(cls, kept: Mapping[str, Any]) -> Self:
+        """A claim from `as_json`."""
+        numbers, body = ({name: Number(**number) for name, number in kept[key].items()} for key in ("numbers", "body"))
+        return cls(kept["name"], kept["verdict"], kept["sentence"], numbers, kept["check"], body)
+
+
+def interval(values: NDArray[np.float64], unit: str = "1") -> Number:
+    """Mean over runs and its 95% interval by Student's t; the mean alone of one run or of runs that agree."""
+    if values.size < 2:
+        return Number(float(values[0]), unit=unit)
+    found = mean_over_runs(values, bounds=(-np.inf, np.inf))
+    mean = float(found.mean)
+    return Number(mean, unit=unit) if np.isnan(found.low) else Number(mean, float(found.low), float(found.high), unit)

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from ...common.figures import save_figure
 from ...common.files import write_text
+from ...common.kept import Kept
 from ...common.validation import known_names
-from . import crawl, laws, laws_figure, twin, twin_figure
+from ..work.figure import plot_work as plot_work_study
+from . import crawl, edge, edge_figure, laws, laws_figure, sindy_figures, twin, twin_figure, work
+from .asked import Asked
 from .claim import Claim, CLAIMS
+from .page import as_markdown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["STUDIES", "Study", "as_markdown", "reproduce"]
+__all__ = ["STUDIES", "Study", "reproduce"]
+
+_STUDIES = "studies"  # folder of what is decided
 
 
 @dataclass(frozen=True)
@@ -26,89 +33,131 @@ class Study:
 
     Attributes
     ----------
-    figure : str
-        The paper's figure that the picture stands for, such as "fig4".
     measure : callable
-        Of seeds, to whatever the others take.
+        Of what is asked, to whatever the others take.
     decide : callable
         To the claims.
-    draw : callable
-        To the figure.
+    figures : mapping of str to callable
+        To the paper's figures, by their names, such as "fig4". Those that it does not have go by other names.
     """
 
-    figure: str
-    measure: Callable[[Sequence[int]], Any]
+    measure: Callable[[Asked], Any]
     decide: Callable[[Any], list[Claim]]
-    draw: Callable[[Any], Figure]
+    figures: Mapping[str, Callable[[Any], Figure]]
 
 
 STUDIES = {
-    "crawl": Study("fig1", lambda _: crawl.crawl(), lambda found: [crawl.claim(found)], crawl.plot_crawl),
-    "twin": Study("figS6", twin.measure, lambda found: [twin.claim(found)], twin_figure.plot_twin),
-    "laws": Study("fig4", laws.measure, laws.claims, laws_figure.plot_laws),
+    "crawl": Study(
+        crawl.measure, lambda found: [crawl.claim(*found)], {"fig1": lambda found: crawl.plot_crawl(found[0])}
+    ),
+    "work": Study(
+        work.measure, lambda found: [work.claim(found)], {"work": lambda found: plot_work_study(found.study)}
+    ),
+    "twin": Study(twin.measure, lambda found: [twin.claim(found)], {"figS6": twin_figure.plot_twin}),
+    "laws": Study(
+        laws.measure,
+        laws.claims,
+        {
+            "fig4": laws_figure.plot_laws,
+            "fig5": sindy_figures.plot_ways,
+            "figS8": sindy_figures.plot_polynomial,
+            "figS9": sindy_figures.plot_offsets,
+            "figS10": sindy_figures.plot_rates,
+        },
+    ),
+    "edge": Study(
+        edge.measure,
+        edge.claims,
+        {
+            "fig2": edge_figure.plot_work,
+            "fig3": edge_figure.plot_edge,
+            "figS7": edge_figure.plot_through_the_edge,
+        },
+    ),
 }
-"""By name. C3, C4, C5 and the chaos of C10 are decided by `stickslip.studies.maps` (docs/edge.md)."""
-SEEDS, QUICK_SEEDS = range(8), range(3)
+"""By name, the quickest first."""
 
 
 def reproduce(
-    folder: Path, figures: Sequence[str] = (), *, quick: bool = False, show: Callable[[str], None] = lambda _: None
+    folder: Path,
+    figures: Sequence[str] = (),
+    *,
+    quick: bool = False,
+    processes: int = 1,
+    show: Callable[[str], object] = lambda _: None,
 ) -> list[Claim]:
     """Decide claims and draw figures.
 
     Parameters
     ----------
     folder : Path
-        Where to write ``claims.json``, ``index.md`` and a picture a study; each is whole or not there.
+        Where to write ``claims.json``, ``index.md`` and the pictures; each is whole or not there. A study whose claims
+        and pictures it has already is not done again.
     figures : sequence of str
-        Of the paper, such as "fig4"; all by default.
+        Of the paper, such as "fig4"; all by default. Whatever rests on the same study is drawn with them.
     quick : bool
-        Three seeds instead of eight.
+        Three seeds instead of eight, and less of all else.
+    processes : int
+        That share maps.
     show : callable
-        Told the name of each study as it begins.
+        Told what begins.
 
     Returns
     -------
     list of Claim
+        All that the folder has, those of earlier runs too.
 
     Raises
     ------
     ValueError
-        If a figure is none of those.
+        If a figure is none of those, or the folder is of something else or of another kind of run.
     """
-    known_names("figures", figures, [study.figure for study in STUDIES.values()])
-    decided: list[Claim] = []
-    pictures: dict[str, str] = {}
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, study in STUDIES.items():
-        if figures and study.figure not in figures:
+    known_names("figures", figures, [figure for study in STUDIES.values() for figure in study.figures])
+    _refuse_other_folder(folder)
+    kept = Kept(folder / _STUDIES, {"stickslip": version("stickslip"), "quick": quick}, resume=True)
+    asked = Asked(folder, quick, processes, show)
+    wanted = [name for name, study in STUDIES.items() if not figures or set(figures) & set(study.figures)]
+    for place, name in enumerate(wanted, 1):
+        study = STUDIES[name]
+        drawn = ", ".join(study.figures)
+        if name in kept.load() and all(_picture(folder, figure).exists() for figure in study.figures):
+            show(f"{place} of {len(wanted)}, {name}: {drawn}, done before")
             continue
-        show(f"{name}: {study.figure}")
-        found = study.measure(QUICK_SEEDS if quick else SEEDS)
-        picture = folder / f"{study.figure}.png"
-        save_figure(study.draw(found), picture)
-        for claim in study.decide(found):
-            decided.append(claim)
-            pictures[claim.name] = picture.name
-        decided.sort(key=lambda claim: list(CLAIMS).index(claim.name))
-        write_text(folder / "claims.json", json.dumps([claim.as_json() for claim in decided], indent=1) + "\n")
-        write_text(folder / "index.md", as_markdown(decided, pictures))
+        show(f"{place} of {len(wanted)}, {name}: {drawn}")
+        found = study.measure(asked)
+        for figure, draw in study.figures.items():
+            save_figure(draw(found), _picture(folder, figure))
+        kept.keep(name, [claim.as_json() for claim in study.decide(found)])
+        _write(folder, kept, quick)
+    return _write(folder, kept, quick)
+
+
+def _write(folder: Path, kept: Kept, quick: bool) -> list[Claim]:
+    """Write all that is decided so far, in the order of the paper."""
+    claims = {name: [Claim.from_json(claim) for claim in found] for name, found in kept.load().items()}
+    pictures = {
+        claim.name: [_picture(folder, figure).name for figure in STUDIES[name].figures]
+        for name, found in claims.items()
+        for claim in found
+    }
+    decided = sorted((claim for found in claims.values() for claim in found), key=lambda each: _ORDER.index(each.name))
+    command = f"stickslip reproduce{' --quick' if quick else ''}"
+    write_text(folder / "claims.json", json.dumps([claim.as_json() for claim in decided], indent=1) + "\n")
+    write_text(folder / "index.md", as_markdown(decided, pictures, command))
     return decided
 
 
-def as_markdown(decided: Sequence[Claim], pictures: dict[str, str]) -> str:
-    """The claims as a page, each with its verdict, its numbers and its picture."""
-    lines = ["# What of the paper stands", "", "| claim | the paper | verdict |", "|---|---|---|"]
-    lines += [
-        f"| [{claim.name}](#{claim.name.lower()}) | {CLAIMS[claim.name]} | **{claim.verdict}** |" for claim in decided
-    ]
-    shown: set[str] = set()
-    for claim in decided:
-        lines += ["", f"## {claim.name}", "", claim.sentence, "", "| number | value [95%] |", "|---|---:|"]
-        lines += [f"| {name} | {number} |" for name, number in claim.numbers.items()]
-        lines += ["", f"Checked by `{claim.check}`."]
-        picture = pictures[claim.name]
-        if picture not in shown:
-            shown.add(picture)
-            lines += ["", f"![{Path(picture).stem} of the paper, redone]({picture})"]
-    return "\n".join(lines) + "\n"
+_ORDER = list(CLAIMS)
+
+
+def _picture(folder: Path, figure: str) -> Path:
+    return folder / f"{figure}.png"
+
+
+def _refuse_other_folder(folder: Path) -> None:
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"output must be a folder, got the file {folder}")
+    if folder.exists() and any(folder.iterdir()) and not (folder / _STUDIES / "settings.json").exists():
+        raise ValueError(
+            f"output must be a new folder or one of an earlier reproduction, got {folder}, which holds other files"
+        )

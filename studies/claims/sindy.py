@@ -58,6 +58,8 @@ class Setting:
         Standard deviation of the errors, of that of the channel.
     step : float
         Between samples, natural time.
+    offset : float
+        From which z is measured where it is not centred.
     """
 
     target: Target = "foot"
@@ -68,14 +70,27 @@ class Setting:
     threshold: float = 0.05
     noise: float = 0.0
     step: float = 0.02
+    offset: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
-    """Coefficients by the name of the term, and the one-step NMSE on a run that was not seen."""
+    """What a regression comes to.
+
+    Attributes
+    ----------
+    terms : dict of str to float
+        Coefficients by the name of the term.
+    nmse : float
+        Of one step, on a run that was not seen.
+    told, true : (samples,) arrays
+        The acceleration in that run.
+    """
 
     terms: dict[str, float]
     nmse: float
+    told: _Array
+    true: _Array
 
 
 def accelerations(groups: Groups, motion: Trajectory) -> dict[Target, _Array]:
@@ -123,7 +138,7 @@ def fit(setting: Setting, groups: Groups, *, hold: float = 1.0, holds: int = 200
         simulate(groups, random_bits(holds, [seed, part]), hold, samples_per_hold=count, tolerance=_TOLERANCE)
         for part in range(2)
     ]
-    origin = np.zeros(3)
+    origin = np.array([setting.offset, 0.0, 0.0])
     exact, terms = [], []
     for run in runs:
         measured = _states(run)
@@ -141,7 +156,8 @@ def fit(setting: Setting, groups: Groups, *, hold: float = 1.0, holds: int = 200
     known = known + setting.noise * known.std() * generator.standard_normal(known.size)
     found = _METHODS[setting.method](setting, terms[0], known, generator)
     kept = {name: float(value) for name, value in zip(names, found, strict=True) if value != 0.0}
-    return Fit(kept, nmse(terms[1] @ found, exact[1]))
+    told = terms[1] @ found
+    return Fit(kept, nmse(told, exact[1]), told, exact[1])
 
 
 def nmse(told: _Array, true: _Array) -> float:

@@ -6,7 +6,6 @@ tube that stretches evenly moves with m / 3 of its mass. Both are one-spring cra
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +13,9 @@ from numpy.typing import NDArray
 
 from ...crawler import Groups, Scene, simulate
 from ...tasks import random_bits
+from .asked import Asked
 from .claim import Claim, Number
+from .real_body import BODY, in_millimetres, TUBE_MASS
 from .sindy import nmse
 
 __all__ = ["MASSES", "REGIMES", "SEGMENTS", "SHARES", "Twin", "claim", "measure"]
@@ -29,6 +30,7 @@ REGIMES = {
 MASSES = (0.02, 0.05, 0.1, 0.2, 0.5)
 """Of the tube, over those of payload and foot."""
 SEGMENTS = (2, 4, 8, 16)
+_TUBE = TUBE_MASS / (BODY.mass - TUBE_MASS)
 _TWIN = 8  # segments of the chain that one spring is compared with
 SHARES = {"half at each end": 0.5, "a third at each end": 1.0 / 3.0}
 PAPER_NMSE, PAPER_LIMIT = 0.0028, 0.01
@@ -46,15 +48,19 @@ class Twin:
         One spring against the chain of 8 segments.
     refined : (2, segments - 1, seeds) array
         Chains against the finest, nominal, at the largest mass.
+    body : (2, seeds) array
+        NMSE of z of the real body, lumped with half of its own tube at each end, against the chain of 8 segments, and
+        the root mean square of the error in natural units.
     """
 
     lumped: dict[tuple[str, str], NDArray[np.float64]]
     refined: NDArray[np.float64]
+    body: NDArray[np.float64]
 
 
-def measure(seeds: Iterable[int]) -> Twin:
+def measure(asked: Asked) -> Twin:
     """Chains and crawlers of one spring under fair random bits."""
-    seeds = list(seeds)
+    seeds = list(asked.seeds)
     lumped: dict[tuple[str, str], NDArray[np.float64]] = {
         (regime, share): np.empty((2, len(MASSES), len(seeds))) for regime in REGIMES for share in SHARES
     }
@@ -69,7 +75,7 @@ def measure(seeds: Iterable[int]) -> Twin:
         true = _chain(Groups(), MASSES[-1], SEGMENTS[-1], valve)
         for row, segments in enumerate(SEGMENTS[:-1]):
             refined[:, row, column] = _errors(_chain(Groups(), MASSES[-1], segments, valve), true)
-    return Twin(lumped, refined)
+    return Twin(lumped, refined, np.array([_of_body(seed) for seed in seeds]).T)
 
 
 def claim(twin: Twin) -> Claim:
@@ -91,7 +97,32 @@ def claim(twin: Twin) -> Claim:
         f"is {ratio:.1f} times less than with half.",
         {f"z, worst regime, {share}": Number(error) for share, error in worst.items()}
         | {"chain of 8 against 16, z": Number(float(twin.refined[0, -1].max()))},
-        "stickslip reproduce claims",
+        "stickslip reproduce figS6",
+        {
+            "mass of the tube, of payload and foot": Number(_TUBE),
+            "z, half of the tube at each end": Number(float(twin.body[0].max())),
+            "root mean square error of z": in_millimetres(float(twin.body[1].max())),
+        },
+    )
+
+
+def _of_body(seed: int) -> tuple[float, float]:
+    """NMSE of z, and the root mean square of the error."""
+    valve = random_bits(_HOLDS, seed)
+    bare = _bare()
+    true = _chain(bare, _TUBE, _TWIN, valve)[0]
+    told = _one_spring(bare, _TUBE, 0.5, valve)[0]
+    return nmse(told, true), float(np.sqrt(np.mean((told - true) ** 2)))
+
+
+def _bare() -> Groups:
+    """Groups of the real body without its tube, of which it has half at each end."""
+    groups, unit = BODY.groups, math.sqrt(1.0 + _TUBE)
+    return replace(
+        groups,
+        damping_ratio=groups.damping_ratio * unit,
+        deborah=groups.deborah * unit,
+        foot_mass_fraction=(BODY.foot_mass - 0.5 * TUBE_MASS) / (BODY.mass - TUBE_MASS),
     )
 
 

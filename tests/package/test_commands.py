@@ -129,7 +129,7 @@ DEFAULTS = {
         "level": 0.95,
         "output": "runs/identification",
     },
-    "reproduce": {"figures": None, "output": "runs/claims", "quick": False},
+    "reproduce": {"figures": None, "output": "runs/claims", "quick": False, "processes": None},
     "trade": {
         "output": "runs/trade",
         "quick": False,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import Groups, simulate
-from stickslip.studies.claims import laws
+from stickslip.studies.claims import laws, sindy_figures
 from stickslip.studies.claims.laws import Laws
 from stickslip.studies.claims.laws_figure import plot_laws
 from stickslip.studies.claims.sindy import accelerations, fit, Setting
@@ -71,6 +71,7 @@ def made(**changes):
         whole=np.full((len(laws.LENGTHS), len(laws.NOISES), 3), 1e-5),
         stiff=1e-4 * seeds,
         groups={"0% noise": 3e-4, "1% noise": 9e-3},
+        **of_figures(),
     )
     return {claim.name: claim for claim in laws.claims(replace(numbers, **changes))}
 
@@ -119,4 +120,35 @@ def laws_of():
         whole=np.full((len(laws.LENGTHS), len(laws.NOISES), 3), 1e-5),
         stiff=np.zeros(3),
         groups={},
+        **of_figures(),
     )
+
+
+def of_figures():
+    """Numbers that decide nothing."""
+    return {
+        "offsets": np.zeros((2, len(laws.OFFSETS))),
+        "traces": {name: np.stack([np.zeros(400), np.ones(400)]) for name in laws.TRACED},
+        "body": dict.fromkeys((*laws.TRACED, "rollout", "rms"), np.array([0.1, 0.2])),
+    }
+
+
+def test_an_offset_makes_the_quadratic_term_of_a_cube():
+    found, exact = laws.quadratic_terms()
+    np.testing.assert_allclose(found, exact, atol=1e-6)
+    assert exact[-1] == pytest.approx(-3.0 * 0.5 * 0.5 / 0.7)
+
+
+@pytest.mark.parametrize(
+    ("draw", "label"),
+    [
+        (sindy_figures.plot_ways, "NMSE of the foot's acceleration, one step (dots: seeds)"),
+        (sindy_figures.plot_polynomial, "time ($t_c$)"),
+        (sindy_figures.plot_rates, "time ($t_c$)"),
+        (sindy_figures.plot_offsets, "offset $c$ of $z$ ($z_c$)"),
+    ],
+)
+def test_the_figures_of_regression_are_drawn_of_their_numbers(draw, label):
+    (ax,) = draw(replace(laws_of(), by_way=dict.fromkeys(laws.WAYS, np.array([0.1, 0.2])))).axes
+    assert ax.get_xlabel() == label
+    assert ax.has_data()

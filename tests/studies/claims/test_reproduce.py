@@ -4,11 +4,14 @@ import json
 
 import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 
 from stickslip.commands import run
 from stickslip.crawler import Groups, Scene, simulate
 from stickslip.studies.claims import crawl, twin
+from stickslip.studies.claims import reproduce as reproduction
 from stickslip.studies.claims.claim import Claim, CLAIMS, Number
+from stickslip.studies.claims.real_body import BODY, TUBE_MASS
 from stickslip.studies.claims.reproduce import reproduce
 from stickslip.studies.claims.sindy import nmse
 from stickslip.studies.claims.twin_figure import plot_twin
@@ -46,7 +49,7 @@ def numbers_of(error):
         for regime in twin.REGIMES
         for share, part in twin.SHARES.items()
     }
-    return twin.Twin(lumped, np.full((2, len(twin.SEGMENTS) - 1, 2), 1e-5))
+    return twin.Twin(lumped, np.full((2, len(twin.SEGMENTS) - 1, 2), 1e-5), np.full((2, 2), 1e-3))
 
 
 def test_the_twins_verdict_follows_its_errors():
@@ -68,7 +71,69 @@ def test_a_reproduction_leaves_claims_a_page_and_pictures(tmp_path, capsys):
     page = (tmp_path / "index.md").read_text(encoding="utf-8")
     assert told["sentence"] in page
     assert "![fig1 of the paper, redone](fig1.png)" in page
-    assert (tmp_path / "fig1.png").stat().st_size > 10_000
+    assert "figS1 to figS5 are not drawn" in page
+    assert told["body"]["peak pressure"] == {"value": 20.0, "low": None, "high": None, "unit": "kPa"}
+    picture = tmp_path / "fig1.png"
+    assert picture.stat().st_size > 10_000
+
+    written = picture.stat().st_mtime_ns
+    assert run(["reproduce", "fig1", "--quick", "--output", str(tmp_path)]) == 0
+    assert "done before" in capsys.readouterr().out
+    assert picture.stat().st_mtime_ns == written
+    picture.unlink()
+    assert run(["reproduce", "fig1", "--quick", "--output", str(tmp_path)]) == 0
+    assert picture.exists()
+    assert run(["reproduce", "fig1", "--output", str(tmp_path)]) == 1
+    assert "quick" in capsys.readouterr().err
+
+
+def test_an_interrupted_reproduction_goes_on_where_it_was(tmp_path, monkeypatch):
+    done = []
+
+    def study(name, claim, *, fails=False):
+        def measure(asked):
+            if fails:
+                raise KeyboardInterrupt
+            done.append(name)
+
+        return reproduction.Study(
+            measure, lambda _: [Claim(claim, "reproduced", "So it is.")], {name: lambda _: figure()}
+        )
+
+    def figure():
+        drawn, _ = plt.subplots()
+        return drawn
+
+    studies = {"one": study("fig1", "C1"), "two": study("figS6", "C2", fails=True)}
+    monkeypatch.setattr(reproduction, "STUDIES", studies)
+    with pytest.raises(KeyboardInterrupt):
+        reproduce(tmp_path)
+    assert [claim["name"] for claim in json.loads((tmp_path / "claims.json").read_text(encoding="utf-8"))] == ["C1"]
+    studies["two"] = study("figS6", "C2")
+    assert [claim.name for claim in reproduce(tmp_path)] == ["C1", "C2"]
+    assert done == ["fig1", "figS6"]
+    assert [claim.name for claim in reproduce(tmp_path, ["figS6"])] == ["C1", "C2"]
+
+
+def test_a_folder_of_something_else_is_left_alone(tmp_path):
+    (tmp_path / "thesis.tex").write_text("", encoding="utf-8")
+    with pytest.raises(ValueError, match="output must be a new folder or one of an earlier reproduction"):
+        reproduce(tmp_path)
+    with pytest.raises(ValueError, match="output must be a folder, got the file"):
+        reproduce(tmp_path / "thesis.tex")
+    assert [file.name for file in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_a_claim_is_the_same_once_it_was_kept():
+    claim = Claim("C1", "overturned", "No.", {"a": Number(1.0, 0.5, 1.5)}, "look", {"b": Number(2.0, unit="mm")})
+    assert Claim.from_json(json.loads(json.dumps(claim.as_json()))) == claim
+
+
+def test_half_of_the_real_tube_at_each_end_is_the_real_body():
+    valve = random_bits(20, 0)
+    time = BODY.scales.time / np.sqrt(BODY.mass - TUBE_MASS) * np.sqrt(BODY.stiffness)
+    true = simulate(BODY.groups, valve, 1.0 / time, samples_per_hold=20, tolerance=1e-8).deformation
+    np.testing.assert_allclose(twin._one_spring(twin._bare(), twin._TUBE, 0.5, valve)[0], true, atol=1e-9)
 
 
 def test_a_figure_that_is_not_there_is_refused(tmp_path, capsys):
