@@ -30,6 +30,8 @@ __all__ = ["KernelCache", "sources_of"]
 
 _PACKAGE = __name__.partition(".")[0]
 _IMPORT = re.compile(rb"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+)?import[ \t]+(\([^)]*\)|[^\n#]*)", re.MULTILINE)
+# What is imported for type checkers alone is in no kernel.
+_TYPES = re.compile(rb"^if TYPE_CHECKING:\n(?:[ \t]+.*\n|[ \t]*\n)+", re.MULTILINE)
 _DIGEST = hashlib.sha256().digest_size
 _BEGAN = time.time()
 
@@ -174,7 +176,7 @@ def _imports(module: str) -> tuple[str, ...]:
 
 def _named_in(module: str) -> Iterator[str]:
     package = getattr(sys.modules[module], "__package__", None) or ""
-    for origin, names in _IMPORT.findall(_source(module) or b""):
+    for origin, names in _IMPORT.findall(_TYPES.sub(b"", _source(module) or b"")):
         plain = [name.split(b" as ")[0].strip(b" \t\r\n()").decode() for name in names.split(b",")]
         if not origin:
             yield from plain
@@ -182,6 +184,9 @@ def _named_in(module: str) -> Iterator[str]:
             source = resolve_name(origin.decode(), package)
             yield source
             yield from (f"{source}.{name}" for name in plain)  # which may be modules
+            # Or names that a package imports on first use, from where its table says.
+            homes = getattr(sys.modules.get(source), "_HOME", {})
+            yield from (resolve_name(homes[name], source) for name in plain if name in homes)
 
 
 @cache

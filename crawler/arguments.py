@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.validation import finite_array, number_within
+from ..common.validation import number_within
 from .batch_simulation import Batch
 from .model.columns import chains_of_each
 from .model.groups import Groups, groups_of_each
+from .model.holds import natural_holds
 from .model.scene import Scene
 from .model.state import BACKWARD, Body, ChainState, FORWARD, State, STUCK
 from .model.tube import stretches_of
@@ -28,7 +29,9 @@ def batch_of(groups: Any, valve: ArrayLike, hold: Any, scene: Any) -> tuple[Batc
     """Who is driven, row by row, whether there is one crawler only, and whether one hold is for all."""
     several = isinstance(scene, Sequence) and not isinstance(scene, str)
     scenes = [Scene.of(one) for one in scene] if several else Scene.of(scene)
-    holds = finite_array("hold", hold, 1).copy() if np.asarray(hold).ndim else number_within("hold", hold, HOLDS)
+    if isinstance(groups, Iterator):  # which is looked at twice
+        groups = list(groups)
+    holds = natural_holds(hold, groups)
     each, schedule = groups_of_each(groups), schedule_of(valve)
     rows = {
         "groups": None if isinstance(each, Groups) else len(each),

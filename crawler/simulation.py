@@ -35,7 +35,7 @@ _MANY_SLIPS = 100
 def simulate(
     groups: GroupsLike | Sequence[GroupsLike],
     valve: ArrayLike,
-    hold: float | Sequence[float] | NDArray[np.float64],
+    hold: float | str | Sequence[float | str] | NDArray[np.float64],
     *,
     scene: Scene | Mapping[str, Any] | Sequence[Scene | Mapping[str, Any] | None] | None = None,
     tolerance: float = 1e-9,
@@ -58,8 +58,10 @@ def simulate(
         Duty cycles, one schedule for all or one a row of the batch: the valve is open for the first ``duty * hold`` of
         each hold and shut for the rest, so that 1 keeps it open throughout and 0 shut. It turns at that very instant,
         and the samples stay where they are.
-    hold : float, or (batch,) array, in (0, inf)
-        Time between duty cycles, natural units: one for all or one a row of the batch.
+    hold : float or str, or (batch,) array or sequence of them, in (0, inf)
+        Time between duty cycles: one for all or one a row of the batch. A number is in natural units. A text has a
+        unit: "20 ms" or "0.02 s" where groups is an `Actuator`, whose t_c says how much natural time that is, or
+        "0.5 t_c".
     scene : Scene or mapping, or sequence of them, optional
         Each as in `Scene.of`, on the ground with a ratcheted foot by default: one for all or one a row of the batch, of
         the same number of segments.

@@ -123,7 +123,7 @@ class LyapunovSpectrum:
 def lyapunov_spectrum(
     groups: GroupsLike | Sequence[GroupsLike],
     valve: ArrayLike,
-    hold: float | Sequence[float] | NDArray[np.float64],
+    hold: float | str | Sequence[float | str] | NDArray[np.float64],
     *,
     scene: Scene | Mapping[str, Any] | Sequence[Scene | Mapping[str, Any] | None] | None = None,
     tolerance: float = 1e-9,
@@ -146,7 +146,7 @@ def lyapunov_spectrum(
         Duty cycles as for `simulate`. Where no other argument has rows, two dimensions are an ensemble of inputs to one
         crawler; where one has, they are a schedule for each row. Of three dimensions the first may be 1: the same
         ensemble for all rows.
-    hold : float, or (rows,) array, in (0, inf)
+    hold : float or str, or (rows,) array or sequence of them, in (0, inf)
     scene : Scene or mapping, or sequence of them, optional
         As for `simulate`.
     tolerance : float, in [1e-15, 1e-2]

@@ -13,11 +13,13 @@ from ..crawler import Groups, GroupsLike, Scene
 from ..crawler.arguments import TOLERANCES
 from ..crawler.model.columns import columns_of
 from ..crawler.model.groups import RANGES
+from ..crawler.model.holds import natural_hold
 from ..crawler.model.variations import Range, variations, varied
 from ..reservoir.targets import itself, ORDERS, Target, target_of, TARGETS
 
 __all__ = [
     "CRAWLER_OPTIONS",
+    "HOLDS",
     "CrawlerChoice",
     "Settings",
     "columns_of_numbers",
@@ -27,8 +29,9 @@ __all__ = [
     "refuse_unread",
 ]
 
-# Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy.
-_HOLDS = "(0, 10000]"
+HOLDS = "(0, 10000]"
+"""Longer holds are for `simulate`: here a hold of 10^4 already takes as long as the 10^4 steps of a policy."""
+
 # Of delays and of virtual nodes: the readout's covariance has the square of the latter.
 _MOST = 1000
 _MOST_REMEMBERED = 64  # valve states, the bits of a number
@@ -72,7 +75,7 @@ class Settings:
         *,
         groups: GroupsLike | None = None,
         scene: Mapping[str, Any] | Scene | None = None,
-        hold: float = 0.5,
+        hold: float | str = 0.5,
         tolerance: float = 1e-6,
         dither: float = 0.1,
         memory_weight: float = 0.2,
@@ -90,6 +93,7 @@ class Settings:
         ValueError, TypeError
             If one is out of range or of the wrong type; the message names it.
         """
+        hold = natural_hold(hold, groups, HOLDS)
         groups, scene = Groups.of(groups), Scene.of(scene)
         if scene.segments > 1 or scene.tube_mass > 0.0:
             raise ValueError(
@@ -99,7 +103,7 @@ class Settings:
         settings = cls(
             groups,
             scene,
-            number_within("hold", hold, _HOLDS),
+            hold,
             number_within("tolerance", tolerance, TOLERANCES),
             number_within("dither", dither, "[0, 0.5]"),
             number_within("memory_weight", memory_weight, "[0, 1]"),

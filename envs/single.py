@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..compiling.generators import whereabouts
 from ..crawler import Groups, GroupsLike, Scene
+from ..crawler.model.holds import hold_in_seconds
 from ..crawler.model.state import Body, SLIPS
 from ..crawler.refusals import solver_error
 from ..crawler.steps.options import FINISHED, MAX_STEPS
@@ -109,13 +110,14 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
 
     ## Arguments
 
-    All can be written as JSON; `groups` and `scene` may also be a `Groups`, an `Actuator` and a `Scene`.
+    All can be written as JSON; `groups` and `scene` may also be a `Groups`, an `Actuator` and a `Scene`. Of an
+    `Actuator` the attribute `hold_seconds` tells the length of a step in seconds; else it is None.
 
     | Argument        | Type           | Default | Description                                                |
     |-----------------|----------------|---------|------------------------------------------------------------|
     | `groups`        | str or mapping | None    | a preset's name, or the groups that differ from the defaults |
     | `scene`         | mapping        | None    | what differs from the default scene, see `Scene`           |
-    | `hold`          | float          | 0.5     | length of a step, t_c, in (0, 10000]                        |
+    | `hold`          | float or str   | 0.5     | length of a step, t_c, in (0, 10000]; or "20 ms" of an `Actuator` |
     | `tolerance`     | float          | 1e-6    | of the solver, 1e-15 to 1e-2                                |
     | `dither`        | float          | 0.1     | probability of a flip, 0 to 1/2                             |
     | `memory_weight` | float          | 0.2     | share of memory in the reward, 0 to 1; above 0 needs dither |
@@ -141,7 +143,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         *,
         groups: GroupsLike | None = None,
         scene: Mapping[str, Any] | Scene | None = None,
-        hold: float = 0.5,
+        hold: float | str = 0.5,
         tolerance: float = 1e-6,
         dither: float = 0.1,
         memory_weight: float = 0.2,
@@ -167,6 +169,7 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             valve_history=valve_history,
             randomize=randomize,
         )
+        self.hold_seconds = hold_in_seconds(self.settings.hold, groups)
         if render_mode not in (None, "human", "rgb_array"):
             raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
         self.render_mode = render_mode

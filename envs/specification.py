@@ -9,9 +9,10 @@ import numpy as np
 from gymnasium.envs.registration import EnvSpec
 
 from ..crawler import Groups, Scene
+from ..crawler.model.holds import natural_holds
 from ..crawler.model.variations import Range
 
-__all__ = ["Specified", "plain"]
+__all__ = ["Specified", "plain", "plain_arguments"]
 
 
 class Specified:
@@ -30,7 +31,15 @@ class Specified:
 
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
-        self._spec = None if spec is None else replace(spec, kwargs=plain(spec.kwargs))
+        self._spec = None if spec is None else replace(spec, kwargs=plain_arguments(spec.kwargs))
+
+
+def plain_arguments(arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of an environment as `plain` makes them; a hold in seconds is natural, as the groups are."""
+    own = dict(arguments)
+    if isinstance(own.get("hold"), str):
+        own["hold"] = natural_holds(own["hold"], own.get("groups"))
+    return {name: plain(each) for name, each in own.items()}
 
 
 def plain(value: Any) -> Any:

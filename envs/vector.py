@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.sharing import processors
 from ..common.validation import truth_value, whole_number
 from ..crawler import Groups, GroupsLike, Scene
+from ..crawler.model.holds import hold_in_seconds
 from .batch_engine import BatchEngine
 from .infos import begun, COUNTS, NUMBERS, TOLD
 from .observation import observation_space
@@ -29,6 +30,7 @@ from .vector_arguments import (
     commands_of,
     generators_of,
     groups_of,
+    hold_of_all,
     mask_of,
     option_of_each,
     seeds_of,
@@ -73,6 +75,11 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     rendered : sequence of int, optional
         Sub-environments that `render` draws; all by default.
 
+    Attributes
+    ----------
+    hold_seconds : float or None
+        Length of a step, s, where all groups are `Actuator` of one t_c.
+
     Raises
     ------
     ValueError, TypeError
@@ -90,7 +97,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         *,
         groups: GroupsLike | Sequence[GroupsLike] | None = None,
         scene: Mapping[str, Any] | Scene | None = None,
-        hold: float = 0.5,
+        hold: float | str = 0.5,
         tolerance: float = 1e-6,
         dither: float = 0.1,
         memory_weight: float = 0.2,
@@ -110,7 +117,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         self.num_envs = whole_number("num_envs", num_envs, 1)
         arguments: dict[str, Any] = {
             "scene": scene,
-            "hold": hold,
+            "hold": hold_of_all(hold, groups),
             "tolerance": tolerance,
             "dither": dither,
             "memory_weight": memory_weight,
@@ -126,6 +133,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         order = {choice: k for k, choice in enumerate(kinds)}
         kind = np.array([order[choice] for choice in each])
         self.settings = kinds[each[0]]
+        self.hold_seconds = hold_in_seconds(self.settings.hold, groups)
         never = max_episode_steps is None or max_episode_steps == -1
         self.autoreset_mode = autoreset_mode_of(autoreset_mode)
         self._copy = truth_value("copy", copy)

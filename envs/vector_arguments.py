@@ -10,12 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.validation import whole_number
 from ..crawler import Groups
 from ..crawler.model.groups import groups_of_each
+from ..crawler.model.holds import natural_holds
+from .settings import HOLDS
 
 __all__ = [
     "autoreset_mode_of",
     "commands_of",
     "generators_of",
     "groups_of",
+    "hold_of_all",
     "mask_of",
     "option_of_each",
     "seeds_of",
@@ -74,6 +77,19 @@ def groups_of(choice: Any, count: int) -> list[Groups]:
     if len(groups) != count:
         raise ValueError(f"groups must be one choice or num_envs = {count} of them, got {len(groups)}")
     return groups
+
+
+def hold_of_all(hold: Any, groups: Any) -> Any:
+    """The hold of all sub-environments, natural where it was given in seconds of their actuators."""
+    if not isinstance(hold, str):
+        return hold
+    natural = natural_holds(hold, groups, HOLDS)
+    if not isinstance(natural, float):
+        raise ValueError(
+            f"hold must be as many t_c for each sub-environment, got {hold!r}, which is {natural.min():.6g} t_c of one "
+            f"actuator and {natural.max():.6g} t_c of another: give it in t_c, or one environment for each"
+        )
+    return natural
 
 
 def option_of_each(name: str, value: Any, count: int) -> Sequence[Any]:

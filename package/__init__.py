@@ -7,8 +7,6 @@ matplotlib are imported by the parts that use them. The names below are imported
 from importlib import import_module
 from typing import Any, TYPE_CHECKING
 
-from gymnasium.envs.registration import register
-
 if TYPE_CHECKING:
     from .crawler import (
         Actuator,
@@ -64,19 +62,30 @@ __all__ = [
     "simulate",
 ]
 
-register(
-    id="StickSlipCrawler-v0",
-    entry_point="stickslip.envs:StickSlipCrawlerEnv",
-    vector_entry_point="stickslip.envs:StickSlipCrawlerVectorEnv",
-    max_episode_steps=1000,
-)
-register(
-    id="StickSlipCrawlerMO-v0",
-    entry_point="stickslip.envs:StickSlipCrawlerMOEnv",
-    vector_entry_point="stickslip.envs:StickSlipCrawlerMOVectorEnv",
-    max_episode_steps=1000,
-    disable_env_checker=True,  # which takes a vector of rewards for a fault
-)
+
+def _register() -> None:
+    try:
+        from gymnasium.envs.registration import register
+    except ModuleNotFoundError as missing:
+        if missing.name != "gymnasium":
+            raise
+        return  # a robot runs policies, and has no environments
+    register(
+        id="StickSlipCrawler-v0",
+        entry_point="stickslip.envs:StickSlipCrawlerEnv",
+        vector_entry_point="stickslip.envs:StickSlipCrawlerVectorEnv",
+        max_episode_steps=1000,
+    )
+    register(
+        id="StickSlipCrawlerMO-v0",
+        entry_point="stickslip.envs:StickSlipCrawlerMOEnv",
+        vector_entry_point="stickslip.envs:StickSlipCrawlerMOVectorEnv",
+        max_episode_steps=1000,
+        disable_env_checker=True,  # which takes a vector of rewards for a fault
+    )
+
+
+_register()
 
 
 # Hidden from type checkers, to whom every name would be known, and of any type.

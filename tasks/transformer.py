@@ -36,8 +36,8 @@ class CrawlerReservoir(TransformerMixin, BaseEstimator):
         As in `stickslip.Groups.of`.
     scene : Scene, mapping or None
         As in `stickslip.Scene.of`. Of a chain every segment is read.
-    hold : float, in (0, inf)
-        Length of a hold, natural units.
+    hold : float or str, in (0, inf)
+        Length of a hold, natural units, or "20 ms" where groups is an `Actuator`.
     encoding : {"pulse_width", "threshold", "sigma_delta"}
         How a sample becomes what the valve does; see `stickslip.tasks.encodings` for what each loses.
     holds_per_sample : int, at least 1
@@ -85,7 +85,7 @@ class CrawlerReservoir(TransformerMixin, BaseEstimator):
         groups: Any = None,
         *,
         scene: Any = None,
-        hold: float = 0.5,
+        hold: float | str = 0.5,
         encoding: str = "pulse_width",
         holds_per_sample: int = 1,
         virtual_nodes: int = 4,

@@ -11,7 +11,7 @@ from ..common.extras import optional_import
 from ..common.files import write_text
 from ..common.validation import known_names, number_within, whole_number
 from ..envs.settings import Settings
-from ..envs.specification import plain
+from ..envs.specification import plain_arguments
 from .algorithms import ALGORITHMS
 
 with optional_import():
@@ -94,7 +94,7 @@ class Configuration:
         hyperparameters = dict(self.hyperparameters)
         env_kwargs = {**hyperparameters.pop("env_kwargs", {}), **self.env_kwargs}
         known_names("env_kwargs", env_kwargs, ENV_ARGUMENTS)
-        object.__setattr__(self, "env_kwargs", plain(env_kwargs))
+        object.__setattr__(self, "env_kwargs", plain_arguments(env_kwargs))
         object.__setattr__(self, "hyperparameters", hyperparameters)
 
 

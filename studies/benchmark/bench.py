@@ -13,7 +13,7 @@ from ...common.files import write_text
 from ...common.threads import library_threads
 from ...common.validation import known_names, whole_number
 from ...common.workers import worker_processes
-from ...envs.specification import plain
+from ...envs.specification import plain_arguments
 from ...reservoir import Estimate
 from ...tasks import BodyReservoir, known_reservoirs, Reservoir, SeriesTask, Task
 from . import STANDARD_TASKS
@@ -113,7 +113,7 @@ class Bench:
     ) -> None:
         self.folder = folder
         given = body or {}
-        body = plain(given)
+        body = plain_arguments(given)
         self._seeds = range(whole_number("--seeds", seeds, 1))
         self._length = whole_number("--length", length, 1)
         self._washout = whole_number("--washout", washout, 0)

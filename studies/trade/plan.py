@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ...common.fingerprint import described
 from ...common.validation import known_names, number_within, whole_number
 from ...envs.settings import Settings
-from ...envs.specification import plain
+from ...envs.specification import plain_arguments
 from ...train.algorithms import ALGORITHMS
 from ...train.hyperparameters import read_hyperparameters
 from ...train.probe import first_rewards
@@ -191,7 +191,7 @@ class Trade:
             if self.steps is not None:
                 kept["n_timesteps"] = whole_number("steps", self.steps, 1)
             object.__setattr__(self, name, kept)
-        object.__setattr__(self, "env_kwargs", plain(self.env_kwargs))
+        object.__setattr__(self, "env_kwargs", plain_arguments(self.env_kwargs))
         self.world(self.dithers[0])  # what the environment refuses, it refuses here
 
     def configuration(

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from ...common.validation import known_names, number_within, whole_number
 from ...crawler import ChainState, Groups, GroupsLike, Scene, simulate, State, Trajectory
 from ...crawler.arguments import TOLERANCES
+from ...crawler.model.holds import natural_hold
 from ...crawler.model.tube import is_chain
-from ...crawler.model.variations import HOLDS, varied
+from ...crawler.model.variations import varied
 from ..encodings import encode, known_encoding, unit_series
 from .reservoir import Step
 
@@ -33,8 +34,9 @@ class BodyReservoir:
         As in `Groups.of`.
     scene : Scene, mapping or None
         As in `Scene.of`. Of a chain every segment is read.
-    hold : float, in (0, inf)
-        Length of a hold, natural units.
+    hold : float or str, in (0, inf)
+        Length of a hold, as in `simulate`: natural units, or "20 ms" where groups is an `Actuator`. Natural as an
+        attribute.
     encoding : {"pulse_width", "threshold", "sigma_delta"}
         How a sample becomes what the valve does; of bits, as they are, by the first two.
     holds_per_sample : int, at least 1
@@ -54,7 +56,7 @@ class BodyReservoir:
 
     groups: Any = None
     scene: Any = None
-    hold: float = 0.5
+    hold: Any = 0.5
     encoding: str = "pulse_width"
     holds_per_sample: int = 1
     virtual_nodes: int = 4
@@ -70,7 +72,7 @@ class BodyReservoir:
         for name, value in (
             ("groups", Groups.of(self.groups)),
             ("scene", Scene.of(self.scene)),
-            ("hold", number_within("hold", self.hold, HOLDS)),
+            ("hold", natural_hold(self.hold, self.groups)),
             ("holds_per_sample", whole_number("holds_per_sample", self.holds_per_sample, 1)),
             ("virtual_nodes", whole_number("virtual_nodes", self.virtual_nodes, 1)),
             ("readings", readings),
@@ -237,7 +239,7 @@ def crawler_states(
     valve: ArrayLike,
     *,
     groups: GroupsLike | None = None,
-    hold: float = 0.5,
+    hold: float | str = 0.5,
     virtual_nodes: int = 4,
     scene: Scene | Mapping[str, Any] | None = None,
     tolerance: float = 1e-9,

@@ -22,6 +22,7 @@ FOLDERS = (
     "tasks",
     "crawler",
     "reservoir",
+    "robot",
     "compiling",
     "common",
     "benchmarks",

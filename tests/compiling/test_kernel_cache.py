@@ -29,8 +29,21 @@ from .deep import (
     three,
     four as last,
 )
+if TYPE_CHECKING:
+    from .seven import anything
+
+    from .eight import everything
+from .lazy import nine
 def f():
     import json
+"""
+LAZY = """
+from importlib import import_module
+if TYPE_CHECKING:
+    from .far import nine, ten
+_HOME = {"nine": ".nearby", "ten": "..eight"}
+def __getattr__(name):
+    return getattr(import_module(_HOME[name], __name__), name)
 """
 NAMES = iter(range(10**6))
 
@@ -196,9 +209,10 @@ def test_imports_are_followed_within_the_package_wherever_they_stand(tmp_path, m
     name = f"cached{next(NAMES)}"
     folder = tmp_path / name
     (folder / "deep").mkdir(parents=True)
+    (folder / "lazy").mkdir()
     texts = {
         "__init__": "",
-        "top": TOP,
+        "top": f"TYPE_CHECKING = False\n{TOP}",
         "one": f"import {name}.five as other\n",
         "two": "",
         "five": "",
@@ -206,11 +220,18 @@ def test_imports_are_followed_within_the_package_wherever_they_stand(tmp_path, m
         "deep/__init__": "",
         "deep/three": "from ..six import *\n",
         "deep/four": "X = 1",
+        "lazy/__init__": f"TYPE_CHECKING = False\n{LAZY}",
+        "lazy/nearby": "nine = 9\n",
+        "lazy/far": "",
+        "seven": "",
+        "eight": "",
     }
     for file, text in texts.items():
         (folder / f"{file}.py").write_text(text, encoding="utf-8")
     monkeypatch.syspath_prepend(str(tmp_path))
     module = importlib.import_module(f"{name}.top")
+    for other in ("lazy.far", "seven", "eight"):  # of another's use
+        importlib.import_module(f"{name}.{other}")
     reached = {}
     for file, text in texts.items():
         path = folder / f"{file}.py"
@@ -221,7 +242,7 @@ def test_imports_are_followed_within_the_package_wherever_they_stand(tmp_path, m
     digests = list(reached.values())
     assert len({len(each) for each in digests}) == 1
     changed = {file for file, one, other in zip(list(texts)[1:], digests, digests[1:], strict=False) if one != other}
-    assert changed == set(texts) - {"__init__"}
+    assert changed == set(texts) - {"__init__", "lazy/far", "seven", "eight"}
     assert sources_of("json") != sources_of(module.__name__)
 
 

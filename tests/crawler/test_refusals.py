@@ -29,7 +29,7 @@ REFUSED = [
     ("valve", {"valve": np.zeros((2, 2, 2))}, ValueError, r"\(holds,\) or \(batch, holds\).*\(2, 2, 2\)"),
     ("valve", {"valve": [[0, 1], [1]]}, ValueError, r"valve must have shape .*, got rows of different length$"),
     *[("hold", {"hold": bad}, ValueError, r"\(0, inf\), got ") for bad in (0, 0.0, -1.0, np.inf, np.nan)],
-    ("hold", {"hold": "long"}, TypeError, r"\(0, inf\), got 'long'"),
+    ("hold", {"hold": "long"}, TypeError, r"\(0, inf\), or a text of one and its unit .*, got 'long'"),
     ("hold", {"hold": None}, TypeError, r"\(0, inf\), got None"),
     *[
         ("tolerance", {"tolerance": bad}, ValueError, r"\[1e-15, 1e-2\], got ")

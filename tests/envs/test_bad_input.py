@@ -30,7 +30,11 @@ NAN, INF = float("nan"), float("inf")
         ({"scene": "moon"}, TypeError, "scene must be *, got 'moon'"),
         ({"hold": 0}, ValueError, "hold must be in (0, 10000], got 0"),
         ({"hold": INF}, ValueError, "hold must be in (0, 10000], got inf"),
-        ({"hold": "0.5"}, TypeError, "hold must be a number in (0, 10000], got '0.5'"),
+        (
+            {"hold": "0.5"},
+            TypeError,
+            "hold must be a number in (0, 10000], or a text of one and its unit (s, ms, us, µs, t_c), got '0.5'",
+        ),
         ({"tolerance": 0.0}, ValueError, "tolerance must be in [1e-15, 1e-2], got 0.0"),
         ({"tolerance": 0.1}, ValueError, "tolerance must be in [1e-15, 1e-2], got 0.1"),
         ({"dither": 0.51}, ValueError, "dither must be in [0, 0.5], got 0.51"),

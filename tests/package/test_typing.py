@@ -11,6 +11,7 @@ import mypy
 import pytest
 
 import stickslip
+import stickslip.crawler
 import stickslip.reservoir
 import stickslip.train
 
@@ -18,7 +19,7 @@ pytestmark = pytest.mark.xdist_group("typing")  # one installation of each kind 
 
 ROOT = Path(__file__).parents[2]
 INSTALLED = ("pyproject.toml", "README.md", "LICENSE", "src")
-FOLDERS = ("package", "studies", "train", "envs", "tasks", "crawler", "reservoir", "compiling", "common")
+FOLDERS = ("package", "studies", "train", "envs", "tasks", "crawler", "reservoir", "robot", "compiling", "common")
 HOW = {"development": ["--editable"], "wheel": []}
 
 USER_CODE = """
@@ -138,7 +139,7 @@ def test_mypy_sees_the_real_types(installed, tmp_path):
 
 def test_every_name_that_is_imported_on_first_use_has_a_type(installed, tmp_path):
     code, names = "", []
-    for module in (stickslip, stickslip.reservoir, stickslip.train):
+    for module in (stickslip, stickslip.crawler, stickslip.reservoir, stickslip.train):
         code += f"import {module.__name__}\n"
         names += [f"{module.__name__}.{name}" for name in module.__all__]
     lines = type_check(installed[0], tmp_path, code + "".join(f"reveal_type({name})\n" for name in names))

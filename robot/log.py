@@ -1,0 +1,72 @@
+"""What a run has measured, kept in memory while it lasts and written as columns when it is over."""
+
+import math
+from array import array
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.files import write_text
+from .sensors import SENSORS
+
+__all__ = ["Log"]
+
+# In the order of the columns, with the unit that each is written in.
+_UNITS = {
+    "deformation": "mm",
+    "velocity": "mm_s",
+    "pressure": "kPa",
+    "foot": "mm",
+    "foot_velocity": "mm_s",
+    "payload": "mm",
+}
+_NONE = math.nan
+
+
+class Log:
+    """Rows of numbers: the time, the valve from then on, the command that it came of, and what was measured.
+
+    Writing to a disk now and then holds a loop up; a row here is eight bytes a number.
+    """
+
+    def __init__(self) -> None:
+        self._channels: tuple[str, ...] = ()
+        self._numbers = array("d")
+
+    def add(self, time: float, valve: int, command: int | None, measured: dict[str, float]) -> None:
+        """Keep a row; what is measured, in SI, is the same in every one."""
+        if not self._channels:
+            self._channels = tuple(name for name in _UNITS if name in measured)
+        numbers = (time, valve, _NONE if command is None else command, *[measured[name] for name in self._channels])
+        self._numbers.extend(numbers)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the columns."""
+        return "time_s", "valve", "command", *[f"{name}_{_UNITS[name]}" for name in self._channels]
+
+    @property
+    def rows(self) -> NDArray[np.float64]:
+        """A row a reading, in the units of the names; no number where there was no command."""
+        rows = np.array(self._numbers).reshape(-1, len(self.names))
+        rows[:, 3:] *= [SENSORS[name][_UNITS[name]] for name in self._channels]
+        return rows
+
+    def write(self, file: Path) -> None:
+        """Write a file of comma-separated columns, whole or not at all.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        lines = [",".join(self.names), *(_line(row) for row in self.rows.tolist())]
+        write_text(file, "\n".join(lines) + "\n")
+
+
+def _line(row: Sequence[float]) -> str:
+    time, valve, command, *measured = row
+    asked = "" if math.isnan(command) else f"{command:.0f}"
+    return ",".join([f"{time:.9g}", f"{valve:.0f}", asked, *(f"{value:.9g}" for value in measured)])
