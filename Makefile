@@ -7,7 +7,7 @@ export OMP_NUM_THREADS ?= 1
 # Text read or written in whatever encoding the locale has is an error in the tests.
 test slow night peers: export PYTHONWARNDEFAULTENCODING ?= 1
 
-.PHONY: demo test docs lint types layers package slow night peers mutation bench clean
+.PHONY: demo test docs lint types layers package slow night peers explore mutation bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/stickslip demo
@@ -15,7 +15,7 @@ demo: $(VENV)/ready
 test: lint types layers
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
-slow: $(VENV)/interop-ready $(VENV)/docs-ready peers
+slow: $(VENV)/interop-ready $(VENV)/docs-ready $(VENV)/explore-ready peers
 	$(BIN)/python -m pytest -m slow
 
 # The site, in docs/_build/html: pages, reference and the tutorials, which are run where they have changed.
@@ -24,12 +24,16 @@ docs: $(VENV)/docs-ready
 
 # Hypothesis searches at random here, and prints a blob with what it finds: @reproduce_failure takes it.
 night: export HYPOTHESIS_PROFILE := night
-night: $(VENV)/interop-ready $(VENV)/docs-ready
+night: $(VENV)/interop-ready $(VENV)/docs-ready $(VENV)/explore-ready
 	$(BIN)/python -m pytest -m "slow or not slow"
 
 # Jobs of others' libraries, which the development install does without.
 peers: $(VENV)/peers-ready
 	$(BIN)/python -m pytest -m "slow or not slow" tests/benchmarks/test_peers.py tests/benchmarks/test_batch_peers.py
+
+# The page one can play with, in a browser without a window.
+explore: $(VENV)/explore-ready
+	$(BIN)/python -m pytest -m "slow or not slow" tests/explore
 
 # Faults put into the code, and whether the tests notice: hours for all; more options in the script.
 mutation: $(VENV)/ready
@@ -68,6 +72,11 @@ $(VENV)/peers-ready: $(VENV)/ready
 
 $(VENV)/docs-ready: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
+# The page of `stickslip explore`, and what moves a browser in its tests.
+$(VENV)/explore-ready: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[explore]' playwright
 	touch $@
 
 clean:

@@ -5,13 +5,15 @@ others. The cells are kept in ``runs/front`` as they end, and a run that was sto
 ``--dask ADDRESS`` has a cluster do the work. ``--weights``, ``--dithers`` and ``--seeds`` take a part of it, which a
 later run adds to; ``--quick`` makes the front of ``stickslip trade --quick`` instead. What they came to is then kept in
 ``benchmarks/results/front.json``, the tables are written into ``docs/trade.md`` and the README between their marks, and
-the figures are drawn into ``docs/images``.
+the figures are drawn into ``docs/images``. The points go into ``explore/front.json`` too, which the package ships for
+``stickslip explore``; ``--ship`` writes nothing but that, from what is kept.
 """
 
 import argparse
 import json
 import os
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +35,9 @@ ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "front.json"
 PAGE = ROOT / "docs" / "trade.md"
 IMAGES = ROOT / "docs" / "images"
+SHIPPED = ROOT / "explore" / "front.json"
 SHOWN = 0.1
+_PLANE = ("speed", "memory")
 ASKED: dict[str, Any] = {**FULL, "env_kwargs": {"hold": 0.5}}
 DITHERS = (0.0, 0.05, SHOWN, 0.25)
 ELSEWHERE: dict[str, Any] = {
@@ -131,6 +135,32 @@ def summary(front: Front) -> list[list[str]]:
     return [*told, ["the limit of speed, by dynamic programming", cell(front.speed_limit, 3), ""]]
 
 
+def shipped(found: list[Front]) -> dict[str, Any]:
+    """The points of the fronts with a memory, as `stickslip.explore` ships them: means to four digits."""
+
+    def told(points: Sequence[Point]) -> list[dict[str, Any]]:
+        return [
+            {"name": point.name, **{name: round(value, 4) for name, value in zip(_PLANE, point.mean, strict=True)}}
+            for point in points
+        ]
+
+    return {
+        "written by": "python benchmarks/front.py --ship",
+        "fronts": [
+            {
+                "dither": front.dither,
+                "open loop": told(front.open_loop),
+                "held": told(front.held),
+                "policies": told(front.chosen),
+                "conditioned": told(sorted(front.conditioned, key=lambda point: point.weight or 0.0)),
+                "limit": round(front.speed_limit.mean, 4),
+            }
+            for front in found
+            if front.dither > 0.0
+        ],
+    }
+
+
 def main() -> None:
     """Do what is left of the trade, and write it down."""
     parser = argparse.ArgumentParser(description="The front of speed against memory.")
@@ -141,7 +171,11 @@ def main() -> None:
     parser.add_argument("--weights", type=float, nargs="+")
     parser.add_argument("--dithers", type=float, nargs="+")
     parser.add_argument("--seeds", type=int)
+    parser.add_argument("--ship", action="store_true", help="only write what the package ships, from what is kept")
     chosen = parser.parse_args()
+    if chosen.ship:
+        _ship()
+        return
     asked = {**ASKED, **(QUICK if chosen.quick else {})}
     said = {name: getattr(chosen, name) for name in ("weights", "seeds") if getattr(chosen, name) is not None}
     every = []
@@ -167,10 +201,15 @@ def main() -> None:
             "registers": imitating,
         },
     )
+    _ship()
     refresh(PAGE, tables(json.loads(RESULTS.read_text(encoding="utf-8"))))
     refresh(ROOT / "README.md", {"front": as_markdown(summary(shown))})
     for name in ("front", "learned"):
         shutil.copy(chosen.folder / figure_of(shown, name), IMAGES / f"{name}.png")
+
+
+def _ship() -> None:
+    keep(SHIPPED, shipped(made_of(json.loads(RESULTS.read_text(encoding="utf-8")))))
 
 
 def _trained_for(point: Point) -> str:

@@ -16,6 +16,7 @@ EXTRAS = {
     "export": {"onnx", "onnxruntime"},
     "demo": {"jinja2"},
     "dask": {"distributed"},
+    "explore": {"bokeh"},
     "maps": {"xarray", "zarr"},
     "claims": {"pysindy"},
     "peers": {"envpool", "heyoka", "diffrax", "jax", "mujoco", "reservoirpy"},

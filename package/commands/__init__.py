@@ -16,6 +16,7 @@ from . import (
     compilation,
     demo,
     evaluate,
+    explore,
     export,
     identify,
     lyapunov,
@@ -42,6 +43,7 @@ app.command("list", cls=Interruptible)(names.list_names)
 app.command("demo", cls=continued())(demo.demo)
 app.command("train", cls=resumed("configuration.yml"))(train.train)
 app.command("evaluate", cls=Interruptible)(evaluate.evaluate)
+app.command("explore", cls=Interruptible)(explore.explore)
 app.command("trade", cls=continued())(trade.trade)
 app.command("export", cls=Interruptible)(export.export)
 app.command("speed", cls=Interruptible)(speed.speed)

@@ -16,6 +16,7 @@ from stickslip.common.extras import EXTRAS, MissingExtra, optional_import
 ROOT = Path(__file__).parents[2]
 FOLDERS = (
     "package",
+    "explore",
     "studies",
     "train",
     "envs",

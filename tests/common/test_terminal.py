@@ -16,6 +16,7 @@ from stickslip.common.terminal import say_what_can_be_said, STAND_INS
 ROOT = Path(__file__).parents[2]
 FOLDERS = (
     "package",
+    "explore",
     "studies",
     "train",
     "envs",

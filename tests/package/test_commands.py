@@ -130,6 +130,7 @@ DEFAULTS = {
         "output": "runs/identification",
     },
     "reproduce": {"figures": None, "output": "runs/claims", "quick": False, "processes": None},
+    "explore": {"port": 5080, "open_browser": True, "preset": "fastest-word", "groups": None},
     "trade": {
         "output": "runs/trade",
         "quick": False,

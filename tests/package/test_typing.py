@@ -19,7 +19,19 @@ pytestmark = pytest.mark.xdist_group("typing")  # one installation of each kind 
 
 ROOT = Path(__file__).parents[2]
 INSTALLED = ("pyproject.toml", "README.md", "LICENSE", "src")
-FOLDERS = ("package", "studies", "train", "envs", "tasks", "crawler", "reservoir", "robot", "compiling", "common")
+FOLDERS = (
+    "package",
+    "explore",
+    "studies",
+    "train",
+    "envs",
+    "tasks",
+    "crawler",
+    "reservoir",
+    "robot",
+    "compiling",
+    "common",
+)
 HOW = {"development": ["--editable"], "wheel": []}
 
 USER_CODE = """

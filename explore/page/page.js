@@ -1,0 +1,342 @@
+// The page's wiring: what is touched is asked of Python, what Python tells is shown. No physics here.
+"use strict"
+
+window.stickslip = (() => {
+  const by_id = (id) => document.getElementById(id)
+  const page = by_id("page"), stage = new Stage(by_id("stage"))
+  const sliders = new Map([...document.querySelectorAll(".number")].map((each) => [each.dataset.number, each]))
+  let sources = null, told = null
+  let number = 0, waiting = false, actions = []
+  let time = 0, playing = true, pace = 2, bit = 0, last = null, drawn = 0
+
+  // ---- Asking: one question at a time, and of several changes of one thing only the last.
+
+  function ask(action) {
+    if (action.do === "set") actions = actions.filter((each) => each.do !== "set" || each.name !== action.name)
+    actions.push(action)
+    if (!waiting) send()
+  }
+
+  function send() {
+    waiting = true
+    number += 1
+    sources.asked.data = { json: [JSON.stringify({ number, actions })] }
+    actions = []
+  }
+
+  const set = (name, value) => ask({ do: "set", name, value })
+
+  // ---- Sliders: a place from 0 to 1000, and the number that stands there.
+
+  function value_of(slide) {
+    const low = Number(slide.dataset.low), high = Number(slide.dataset.high), share = slide.value / 1000
+    switch (slide.dataset.scale) {
+      case "log": return rounded(low * (high / low) ** share, low, high)
+      case "square": return rounded(low + (high - low) * share ** 2, low, high)
+      case "decades": return Number(`1e${Math.round(Math.log10(low) + share * (Math.log10(high) - Math.log10(low)))}`)
+      default: return rounded(low + (high - low) * share, low, high, (high - low) / 1000)
+    }
+  }
+
+  function place_of(slide, value) {
+    const low = Number(slide.dataset.low), high = Number(slide.dataset.high)
+    switch (slide.dataset.scale) {
+      case "log": case "decades": return 1000 * Math.log(value / low) / Math.log(high / low)
+      case "square": return 1000 * Math.sqrt((value - low) / (high - low))
+      default: return 1000 * (value - low) / (high - low)
+    }
+  }
+
+  function rounded(value, low, high, step) {
+    const near = step ? Math.round(value / step) * step : value
+    return Math.max(low, Math.min(high, Number(near.toPrecision(3))))
+  }
+
+  for (const [name, each] of sliders) {
+    const slide = each.querySelector(".slide"), exact = each.querySelector(".exact")
+    slide.addEventListener("input", () => {
+      const value = value_of(slide)
+      exact.value = written(value)
+      set(name, value)
+    })
+    exact.addEventListener("change", () => {
+      const value = Number(exact.value.replace(",", ".").replace("−", "-"))
+      set(name, exact.value.trim() === "" || Number.isNaN(value) ? exact.value : value)
+    })
+  }
+
+  const written = (value) => (Math.abs(value) < 1e-3 && value !== 0 ? value.toExponential().replace("e", "e") : String(value))
+
+  // ---- Choices.
+
+  function choices(attribute, chosen) {
+    for (const each of document.querySelectorAll(`[data-${attribute}]`))
+      if (each.getAttribute("role") === "radio") each.setAttribute("aria-checked", String(each.dataset[attribute] === chosen))
+  }
+
+  for (const each of document.querySelectorAll("[data-units]")) each.addEventListener("click", () => set("units", each.dataset.units))
+  for (const each of document.querySelectorAll("[data-policy]")) each.addEventListener("click", () => set("policy", each.dataset.policy))
+  for (const each of document.querySelectorAll("button[data-drive]")) each.addEventListener("click", () => set("drive", each.dataset.drive))
+  for (const each of document.querySelectorAll("[data-pace]"))
+    each.addEventListener("click", () => { pace = Number(each.dataset.pace); choices("pace", each.dataset.pace) })
+  choices("pace", "2")
+  by_id("preset").addEventListener("change", (event) => {
+    if (event.target.value) ask({ do: "preset", name: event.target.value })
+    time = 0
+  })
+
+  // ---- The word.
+
+  function change_word(word) {
+    if (word) set("word", word)
+  }
+
+  by_id("word").addEventListener("change", (event) => set("word", event.target.value.trim()))
+  by_id("more").addEventListener("click", () => change_word(told.setup.word + "0"))
+  by_id("fewer").addEventListener("click", () => change_word(told.setup.word.slice(0, -1)))
+
+  function show_word(word) {
+    const bits = by_id("bits")
+    while (bits.children.length > word.length) bits.lastChild.remove()
+    while (bits.children.length < word.length) {
+      const place = bits.children.length, button = document.createElement("button")
+      button.type = "button"
+      button.addEventListener("click", () => {
+        const now = told.setup.word
+        change_word(now.slice(0, place) + (now[place] === "1" ? "0" : "1") + now.slice(place + 1))
+      })
+      bits.append(button)
+    }
+    ;[...word].forEach((letter, k) => {
+      const button = bits.children[k]
+      button.textContent = letter
+      button.setAttribute("aria-pressed", String(letter === "1"))
+      button.setAttribute("aria-label", `bit ${k + 1}: ${letter === "1" ? "open" : "shut"}`)
+    })
+    if (document.activeElement !== by_id("word")) by_id("word").value = word
+  }
+
+  // ---- You.
+
+  function press(open) {
+    bit = open ? 1 : 0
+    by_id("hold-open").classList.toggle("open", open)
+  }
+
+  const typing = (target) => target instanceof HTMLElement && target.matches("input[type=text], select")
+  document.addEventListener("keydown", (event) => {
+    if (event.code !== "Space" || typing(event.target) || by_id("program-dialog").open || !told) return
+    event.preventDefault()
+    if (event.repeat) return
+    press(true)
+    if (told.setup.drive !== "live") set("drive", "live")
+  })
+  document.addEventListener("keyup", (event) => {
+    if (event.code !== "Space" || typing(event.target)) return
+    event.preventDefault()
+    press(false)
+  })
+  window.addEventListener("blur", () => press(false))
+  by_id("hold-open").addEventListener("pointerdown", (event) => { event.preventDefault(); press(true) })
+  for (const kind of ["pointerup", "pointercancel"]) window.addEventListener(kind, () => press(false))
+  by_id("hold-open").addEventListener("contextmenu", (event) => event.preventDefault())
+  by_id("keep").addEventListener("click", () => ask({ do: "keep" }))
+
+  // ---- Telling.
+
+  const lowered = (text) => text.replace(/_([a-z]+)/g, "<sub>$1</sub>")
+  const unit = (text) => `<span class="unit">${lowered(text)}</span>`
+  const digits = (value) => (Math.abs(value) >= 100 ? value.toFixed(0) : Math.abs(value) >= 10 ? value.toFixed(1) : Math.abs(value) >= 0.1 || value === 0 ? value.toFixed(2) : value.toPrecision(2))
+
+  function on_told() {
+    const news = JSON.parse(sources.told.data.json[0])
+    waiting = false
+    by_id("notice").hidden = !news.notice
+    by_id("notice").textContent = news.notice || ""
+    if (news.setup) show(news)
+    page.dataset.answered = news.number
+    page.removeAttribute("aria-busy")
+    if (actions.length) send()
+  }
+
+  function show(news) {
+    const anew = !told || told.setup.units !== news.setup.units || told.setup.drive !== news.setup.drive
+    if (told && told.setup.units !== news.setup.units) time *= news.units.time / told.units.time
+    else if (anew) time = 0
+    told = news
+    const { setup, units } = news
+    const columns = {}
+    for (const [name, column] of Object.entries(sources.trace.data)) columns[name] = column
+    stage.show(columns, units, setup.slope)
+    for (const [name, each] of sliders) {
+      const slide = each.querySelector(".slide"), exact = each.querySelector(".exact")
+      if (actions.some((action) => action.name === name)) continue
+      if (Number(value_of(slide)) !== setup[name]) slide.value = place_of(slide, setup[name])
+      if (document.activeElement !== exact || news.notice) exact.value = written(setup[name])
+      by_id(`${name}-si`).textContent = setup.units === "SI" ? news.si[name] || "" : ""
+    }
+    choices("units", setup.units)
+    choices("drive", setup.drive)
+    choices("policy", setup.policy)
+    for (const each of document.querySelectorAll(".drive")) each.hidden = each.dataset.for !== setup.drive
+    const policy = document.querySelector(`[data-policy="${setup.policy}"]`)
+    by_id("weighed").hidden = policy.dataset.weighed !== "true"
+    by_id("flips").hidden = setup.drive === "live"
+    show_word(setup.word)
+    by_id("distance").innerHTML = digits(news.distance) + unit(units.length_unit)
+    by_id("distance-more").innerHTML = `in ${digits(news.time)} ${lowered(units.time_unit)}, ${news.slips} slip${news.slips === 1 ? "" : "s"}`
+    by_id("model").textContent = `Integrated: ${news.model}.`
+    by_id("program").textContent = news.program
+    for (const each of document.querySelectorAll("[data-unit]")) each.innerHTML = lowered(units[`${each.dataset.unit}_unit`])
+    const live = setup.drive === "live"
+    page.classList.toggle("stale", !live)
+    page.classList.toggle("stale-exponents", !live)
+    if (live) {
+      for (const name of ["speed", "memory", "exponent"]) {
+        by_id(name).textContent = "–"
+        by_id(`${name}-more`).textContent = "of a word or a policy"
+      }
+      nothing("no-memory", "Memory is measured on flips, which no hand makes.")
+      nothing("no-plane", "")
+    }
+    keep_link(news.query)
+  }
+
+  function on_measured() {
+    const news = JSON.parse(sources.measured.data.json[0])
+    if (!told || news.number !== told.number) return
+    if (news.failure) {
+      page.classList.remove("stale", "stale-exponents")
+      by_id("notice").hidden = false
+      by_id("notice").textContent = news.failure
+    }
+    if (news.run) show_run(news.run)
+    if (news.exponents) show_exponents(news.exponents)
+  }
+
+  function show_run(run) {
+    page.classList.remove("stale")
+    const { setup, units } = told
+    by_id("speed").innerHTML = digits(run.speed) + unit(units.speed_unit)
+    by_id("speed-more").textContent = "over a run of 4000 holds"
+    if (run.memory === null) {
+      by_id("memory").textContent = "–"
+      by_id("memory-more").textContent = setup.dither === 0 ? "no flips, no message" : run.doubt
+      nothing("no-memory", setup.dither === 0 ? "Without flips there is no message to remember." : run.doubt)
+    } else {
+      by_id("memory").innerHTML = digits(run.memory) + unit("holds")
+      by_id("memory-more").textContent = run.doubt ? "rough: the flips are few" : `of at most ${run.bound}`
+      by_id("memory-more").title = run.doubt
+      nothing("no-memory", "")
+    }
+    nothing("no-plane", "")
+    by_id("front").textContent = `Front of the default body at hold 0.5 and flips ${run.front}; the grey area is what words reach.`
+  }
+
+  function show_exponents(found) {
+    page.classList.remove("stale-exponents")
+    by_id("exponent").innerHTML = found.exponents[0].toFixed(3).replace("-", "−") + unit(`/${told.units.time_unit}`)
+    by_id("exponent-more").textContent = `± ${found.errors[0].toFixed(3)}, ${found.verdict}`
+  }
+
+  function nothing(id, text) {
+    by_id(id).hidden = !text
+    by_id(id).textContent = text
+  }
+
+  // ---- The link, and the program.
+
+  let linking = 0
+  function keep_link(query) {
+    clearTimeout(linking)
+    linking = setTimeout(() => history.replaceState(null, "", query ? `?${query}` : location.pathname), 250)
+  }
+
+  async function copied(button, text) {
+    const before = button.textContent
+    try {
+      await navigator.clipboard.writeText(text)
+      button.textContent = "Copied"
+    } catch {
+      button.textContent = "Not allowed"
+    }
+    setTimeout(() => { button.textContent = before }, 1500)
+  }
+
+  by_id("copy-link").addEventListener("click", (event) => {
+    const query = told.query ? `?${told.query}` : ""
+    copied(event.target, location.origin + location.pathname + query)
+  })
+  by_id("show-program").addEventListener("click", () => by_id("program-dialog").showModal())
+  by_id("close-program").addEventListener("click", () => by_id("program-dialog").close())
+  by_id("copy-program").addEventListener("click", (event) => copied(event.target, told.program))
+
+  // ---- The clock.
+
+  const PLAY = '<svg width="12" height="12" viewBox="0 0 12 12"><path d="M2 0l10 6-10 6z" fill="currentColor"/></svg>'
+  const PAUSE = '<svg width="12" height="12" viewBox="0 0 12 12"><path d="M1 0h3.6v12H1zM7.4 0H11v12H7.4z" fill="currentColor"/></svg>'
+  const AGAIN = '<svg width="13" height="12" viewBox="0 0 13 12"><path d="M0 0h2.4v12H0zM13 0v12L3.6 6z" fill="currentColor"/></svg>'
+
+  function play(on) {
+    playing = on
+    by_id("play").innerHTML = on ? PAUSE : PLAY
+    by_id("play").setAttribute("aria-label", on ? "Pause" : "Play")
+  }
+
+  by_id("again").innerHTML = AGAIN
+  by_id("play").addEventListener("click", () => play(!playing))
+  by_id("again").addEventListener("click", () => {
+    time = 0
+    if (told.setup.drive === "live") ask({ do: "restart" })
+  })
+  by_id("stage").addEventListener("pointerdown", (event) => {
+    const there = stage.time_at(event.offsetX, event.offsetY)
+    if (there === null || told.setup.drive === "live") return
+    time = there
+    const move = (moved) => { time = stage.time_at(moved.offsetX, event.offsetY) ?? time }
+    const stop = () => { by_id("stage").removeEventListener("pointermove", move) }
+    by_id("stage").addEventListener("pointermove", move)
+    window.addEventListener("pointerup", stop, { once: true })
+  })
+
+  function clock(at, units) {
+    const few = (value, unit) => `${value.toFixed(unit === "mm" ? 0 : unit === "s" ? 2 : 1)} ${lowered(unit)}`
+    return `foot at ${few(at.foot, units.length_unit)} · ${few(at.time, units.time_unit)}`
+  }
+
+  // At the space bar a hold is asked for shortly before the one that is played ends.
+  const LEAD = 0.09 // seconds
+
+  function frame(now) {
+    requestAnimationFrame(frame)
+    const lapse = last === null ? 0 : Math.min(0.1, (now - last) / 1000)
+    last = now
+    if (!told || !stage.trace) return
+    if (playing) time += lapse * pace * told.units.time
+    if (told.setup.drive === "live") {
+      if (playing && !waiting && stage.end - time < LEAD * pace * told.units.time) ask({ do: "bit", value: bit })
+      if (stage.end < time - told.units.time) time = stage.end // it began anew
+      time = Math.max(stage.begin, Math.min(time, stage.end))
+    } else if (time > stage.end || time < stage.begin) time = stage.begin
+    const at = stage.draw(time, lapse)
+    if (at && now - drawn > 45 && by_id("program-dialog").open === false) {
+      drawn = now
+      by_id("clock").innerHTML = clock(at, told.units)
+      sources.cursor.data = { time: [at.time], foot: [at.foot], deformation: [at.deformation], velocity: [at.velocity] }
+    }
+  }
+
+  return {
+    start(models) {
+      sources = models
+      sources.told.properties.data.change.connect(on_told)
+      sources.measured.properties.data.change.connect(on_measured)
+      play(!window.matchMedia("(prefers-reduced-motion: reduce)").matches)
+      on_told()
+      if (sources.measured.data.json.length) on_measured()
+      requestAnimationFrame(frame)
+    },
+    // For tests: what is seen.
+    get seen() { return { told, time, trace: stage.trace && { ...stage.trace }, at: stage.trace && stage.at(time) } },
+  }
+})()
