@@ -1,48 +1,94 @@
-"""A policy as the beginning of a training."""
+"""A policy as the beginning of a training: the network learns to act as it does, before it is paid."""
 
+from collections.abc import Callable
 from typing import Any, TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..common.extras import optional_import
-from .policies.policy import Policy
+from ..envs import StickSlipCrawlerVectorEnv
+from .episodes import long_episode
+from .scores import judging
 
 with optional_import():
     import torch
     from stable_baselines3.common.policies import ActorCriticPolicy
+    from torch import nn
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
-__all__ = ["begin_from"]
+__all__ = ["Teacher", "begin_from"]
 
-# What is left of the differences between logits: what was certain to one in ten thousand is so to one in sixteen.
-_CERTAINTY = 0.3
+_CRAWLERS, _HOLDS = 64, 300
+_BATCH, _UPDATES, _LEARNING_RATE = 1024, 600, 3e-3
+# How often it does otherwise than what it imitates: enough to try what lies near.
+_OTHERWISE = 0.05
 
 
-def begin_from(model: "BaseAlgorithm", policy: Policy) -> None:
-    """Have a model that has not learned yet act as a policy does, but less certainly, so that it tries what lies near.
+Teacher = Callable[[NDArray[np.float32]], NDArray[np.int64]]
+"""Takes the observations (n, d) of n crawlers, and gives the commands (n,) of 0 and 1, as `Policy.predict` does."""
+
+
+def begin_from(model: "BaseAlgorithm", teacher: Teacher, env_kwargs: dict[str, Any], *, seed: int = 0) -> None:
+    """Have a model that has not learned yet act as a teacher does, but less certainly, so that it tries what lies near.
+
+    Its network is fitted to what the teacher commands where the teacher crawls, now and then led astray, with labels
+    that are smoothed [1]_. The critic is left as it is.
 
     Parameters
     ----------
     model : BaseAlgorithm
         Of PPO or A2C, with a network as the policy's; changed in place.
-    policy : Policy
-        Whose outputs are logits.
+    teacher : callable
+        What is imitated.
+    env_kwargs : dict
+        Of the environment that it is to learn in.
+    seed : int
+        Of flips, of what leads astray and of batches.
 
     Raises
     ------
     ValueError
-        If the networks differ.
+        If the model's policy has no chances of actions.
+
+    References
+    ----------
+    .. [1] Szegedy et al. (2016). Rethinking the inception architecture for computer vision, section 7.
     """
-    network: Any = model.policy
-    layers = (
-        [*network.mlp_extractor.policy_net, network.action_net][::2] if isinstance(network, ActorCriticPolicy) else []
+    policy: Any = model.policy
+    if not isinstance(policy, ActorCriticPolicy):
+        raise ValueError(
+            f"a training that begins with a policy must be of an actor and a critic, got {type(policy).__name__}"
+        )
+    generator = np.random.default_rng(seed)
+    seen, wanted = (torch.from_numpy(each) for each in _shown(teacher, env_kwargs, generator))
+    optimizer = torch.optim.Adam(
+        [*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters()], _LEARNING_RATE
     )
-    own = [tuple(layer.weight.shape) for layer in layers]
-    if own != [layer.weight.shape for layer in policy.layers]:
-        raise ValueError(f"policy to begin from must have layers of the shapes {own}, it is {policy!r}")
-    with torch.no_grad():
-        for layer, (weight, bias) in zip(layers, policy.layers, strict=True):
-            layer.weight.copy_(torch.tensor(weight))
-            layer.bias.copy_(torch.tensor(bias))
-        layers[-1].weight.mul_(_CERTAINTY)
-        layers[-1].bias.mul_(_CERTAINTY)
+    for _ in range(_UPDATES):
+        chosen = torch.from_numpy(generator.integers(len(seen), size=_BATCH))
+        acting: Any = policy.get_distribution(seen[chosen]).distribution
+        loss = nn.functional.cross_entropy(acting.logits, wanted[chosen], label_smoothing=2 * _OTHERWISE)
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+
+
+def _shown(
+    teacher: Teacher, env_kwargs: dict[str, Any], generator: np.random.Generator
+) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """What is seen as the teacher crawls, now and then led astray, and what it commands there."""
+    states: list[NDArray[np.float32]] = []
+    answers: list[NDArray[np.int64]] = []
+
+    def act(_: int, observations: NDArray[np.float32]) -> NDArray[np.int64]:
+        states.append(observations.copy())
+        answers.append(teacher(observations))
+        return answers[-1] ^ (generator.random(len(observations)) < _OTHERWISE)
+
+    batch = StickSlipCrawlerVectorEnv(_CRAWLERS, **judging(env_kwargs), max_episode_steps=None)
+    for _ in long_episode(batch, act, _HOLDS, seed=int(generator.integers(2**31))):
+        pass
+    return np.concatenate(states), np.concatenate(answers)

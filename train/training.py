@@ -16,7 +16,7 @@ from ..common.threads import library_threads
 from ..envs import StickSlipCrawlerEnv
 from . import verdict
 from .algorithms import algorithm_class
-from .begun import begin_from
+from .begun import begin_from, Teacher
 from .evaluation import Acting
 from .evaluations import best_of, Evaluation, read_evaluations, write_evaluations
 from .floor import Floor, FloorVecEnv
@@ -24,7 +24,6 @@ from .hyperparameters import entropy_schedule, resolve
 from .long_runs import of_policy, of_words
 from .policies.files import read_policy, WEIGHTS, write_policy
 from .policies.from_model import policy_of
-from .policies.policy import Policy
 from .probe import first_rewards
 from .run import Configuration, EVEN, FROM_POLICY, Run
 from .still import begin_still, hold_still
@@ -59,7 +58,7 @@ def train(
     vec_env: Callable[..., VecEnv] | None = None,
     judging: Judging | None = None,
     or_still: bool = True,
-    begin: Policy | None = None,
+    begin: Teacher | None = None,
 ) -> Run:
     """Train a policy, with periodic evaluation, checkpoints and TensorBoard logs, and judge it.
 
@@ -91,8 +90,9 @@ def train(
     or_still : bool
         Whether a policy that holds the valve open or shut is kept instead of the best, where it earns more on the seeds
         of the evaluations over runs as long.
-    begin : Policy, optional
-        Where a configuration's `start` is "policy", that policy; it is begun from less certainly than it acts.
+    begin : callable, optional
+        Where a configuration's `start` is "policy", what its network learns to do before it is paid: see
+        `stickslip.train.begun.begin_from`.
 
     Returns
     -------
@@ -150,7 +150,7 @@ def train(
                     **arguments,
                 )
                 if begin is not None:
-                    begin_from(model, begin)
+                    begin_from(model, begin, configuration.env_kwargs, seed=configuration.seed)
                 elif configuration.start != EVEN:
                     begin_still(model, int(configuration.start == "open"))
                 vars(model)[_CONFIGURATION] = asdict(configuration)  # SB3 saves every attribute

@@ -18,6 +18,7 @@ from .conditions import conditions
 from .judgement import held_out_seeds, judge, Judgement
 from .open_loop import open_loop_front, schedule_runs
 from .plan import Cell, CONDITIONED, EPISODE, JUDGED, LIMIT, OPEN_LOOP, Trade, TRAINED
+from .registers import simple_registers
 from .speed_limit import speed_limit
 
 __all__ = ["Job", "Outcome", "finish"]
@@ -29,7 +30,7 @@ class Job(NamedTuple):
     trade: Trade
     cell: Cell
     policies: tuple[Policy, ...] = ()
-    """What is judged, or distilled, or begun with."""
+    """What is judged, or distilled."""
 
 
 class Outcome(NamedTuple):
@@ -70,9 +71,9 @@ def _train(job: Job) -> Outcome:
     with TemporaryDirectory(prefix="stickslip_") as folder:
         # Of words the front tells more, and on the seeds that judge it.
         judging = replace(verdict.STANDARD, longest_word=1)
-        below = next(iter(job.policies), None)
-        asked = job.trade.configuration(cell.dither, cell.weight, cell.seed, cell.floor, climbed=below is not None)
-        run = train(asked, Path(folder), judging=judging, begin=below)
+        asked = job.trade.configuration(cell.dither, cell.weight, cell.seed, cell.floor)
+        begin = None if cell.floor is None else simple_registers(asked.env_kwargs).above(cell.floor)
+        run = train(asked, Path(folder), judging=judging, begin=begin)
         return Outcome({}, read_policy(run.best_policy))
 
 

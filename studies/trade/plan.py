@@ -31,7 +31,7 @@ FULL: Mapping[str, Any] = {
     "weights": (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.45, 0.5, 0.7, 1.0),
     "dithers": (0.1,),
     "seeds": 3,
-    "floors": (0.2, 0.3),
+    "floors": (0.2, 0.7),
     "longest": 16,
     "resolution": 28,
     "judges": 10,
@@ -70,7 +70,7 @@ class Cell(NamedTuple):
     weight: float | None = None
     seed: int | None = None
     of: str | None = None
-    """What a policy depends on, as a digest: those that it is distilled from, or the floors that it has climbed."""
+    """What a policy depends on, as a digest: those that it is distilled from."""
     floor: float | None = None
     """On speed, of a policy that was trained for one instead of a weight."""
 
@@ -112,9 +112,9 @@ class Trade:
     first_seed : int, at least 0
         Of the trainings; the others follow.
     floors : sequence of float, above 0
-        On speed: policies are trained as well for memory above each (`stickslip.train.floor.Floor`). The first begins
-        by holding the valve shut mostly: from even chances a policy learns to walk, and never sees what lies near to
-        rest. Each of the others begins with the policy of the floor below.
+        On speed: policies are trained as well for memory above each (`stickslip.train.floor.Floor`). They begin as the
+        register with the most memory above the floor, of the last three valve states or of those that are seen: from
+        even chances a policy learns to walk, and never sees what lies near to rest.
         None are by default, nor where there is no dither.
     env_kwargs : mapping
         Further arguments of the environment, such as ``hold`` and ``groups``. They win over those that the
@@ -195,16 +195,16 @@ class Trade:
         self.world(self.dithers[0])  # what the environment refuses, it refuses here
 
     def configuration(
-        self, dither: float, weight: float | None, seed: int, floor: float | None = None, *, climbed: bool = False
+        self, dither: float, weight: float | None, seed: int, floor: float | None = None
     ) -> Configuration:
-        """The configuration of a training, for a weight or a floor; `climbed` where there is a floor below."""
+        """The configuration of a training, for a weight or a floor."""
         told = {"dither": dither} if weight is None else {"dither": dither, "memory_weight": weight}
         return Configuration(
             algorithm=self.algorithm,
             env_kwargs={**self.env_kwargs, **told},
             hyperparameters=dict((self.hyperparameters if floor is None else self.floor_hyperparameters) or {}),
             seed=seed,
-            start=EVEN if floor is None else FROM_POLICY if climbed else "shut",
+            start=EVEN if floor is None else FROM_POLICY,
             floor=floor,
         )
 
@@ -241,36 +241,27 @@ class Trade:
         making = [Cell(OPEN_LOOP, dither) for dither in self.dithers]
         making += [Cell(LIMIT, dither) for dither in self.dithers]
         making += [cell for dither in self.dithers for cell in self.teachers(dither)]
-        climbing = [[cell for dither in self.dithers for cell in self.floored(dither, floor)] for floor in self.floors]
-        making += [cell for first in climbing[:1] for cell in first]
+        making += [cell for dither in self.dithers for cell in self.floored(dither)]
         distilling = []
         if self.conditioned:
             distilling = [self._distilled(dither) for dither in self.dithers if dither > 0]
         judging = []
-        above = [cell for later in climbing[1:] for cell in later]
-        for cell in (*distilling, *making, *above):
+        for cell in (*distilling, *making):
             if cell.kind == TRAINED:
                 judging.append(cell._replace(kind=JUDGED[TRAINED]))
             elif cell.kind == CONDITIONED:
                 judging += [cell._replace(kind=JUDGED[CONDITIONED], weight=weight) for weight in self.weights]
-        return [making, *climbing[1:], distilling, judging]
+        return [making, distilling, judging]
 
     def teachers(self, dither: float) -> list[Cell]:
         """The trainings for a weight at a dither, of which the policy for all weights is distilled."""
         return [Cell(TRAINED, dither, weight, seed) for seed in self._seeds for weight in self.weights_at(dither)]
 
-    def floored(self, dither: float, floor: float) -> list[Cell]:
-        """The trainings at a dither above a floor on speed."""
-        below = self.floors[: self.floors.index(floor)]
-        of = _digest(list(below)) if below else None
-        return [Cell(TRAINED, dither, None, seed, of, floor) for seed in self._seeds if dither > 0]
-
-    def below(self, cell: Cell) -> list[Cell]:
-        """The training above the floor below, whose policy that of a cell begins with; none where there is none."""
-        if cell.kind != TRAINED or cell.of is None or cell.floor is None:
-            return []
-        floor = self.floors[self.floors.index(cell.floor) - 1]
-        return [each for each in self.floored(cell.dither, floor) if each.seed == cell.seed]
+    def floored(self, dither: float) -> list[Cell]:
+        """The trainings at a dither above the floors on speed."""
+        return [
+            Cell(TRAINED, dither, seed=seed, floor=floor) for seed in self._seeds for floor in self.floors if dither > 0
+        ]
 
     @property
     def _seeds(self) -> range:

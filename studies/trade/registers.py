@@ -4,7 +4,7 @@ A valve state is the command, flipped now and then, and the body does not feed b
 moving it. The past valve states are the bits of one number, the newest the lowest, and the table has a bit for each.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,18 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.validation import whole_number
+from ...envs.observation import OBSERVATION
 from ...envs.settings import Settings
 from ...reservoir.bootstrap import Estimate
+from ...train.begun import Teacher
 from ...train.episodes import Act
 from .conditions import conditions
 from .judgement import held_out_seeds, judge, Judgement
 from .selection import select
 
-__all__ = ["Registers", "best_registers", "feedback_runs", "register_runs", "tables_of"]
+__all__ = ["Registers", "Simple", "best_registers", "feedback_runs", "register_runs", "simple_registers", "tables_of"]
 
 Bits = NDArray[np.int64]
 
 _MOST_BITS = 4
+_SIMPLE = 3
+_SCREENING = 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +63,7 @@ def best_registers(
     *,
     seeds: int = 10,
     holds: int = 10_000,
-    screening_holds: int = 400,
+    screening_holds: int = _SCREENING,
     seed: int = 0,
     threads: int | None = None,
     **env_kwargs: Any,
@@ -106,6 +110,63 @@ def best_registers(
         names, lambda held_out: register_runs(chosen, settings.dither, holds, held_out), settings, seeds=held_out
     )
     return Registers(settings, bits, found.speeds, found.memories, front, front.hypervolume())
+
+
+@dataclass(frozen=True, eq=False)
+class Simple:
+    """The front of the simplest registers, as what a training can begin with.
+
+    Attributes
+    ----------
+    tables : (n, 2^bits) array of 0 and 1
+    speeds, memories : (n,) arrays
+        What each came to in the runs that chose it.
+    """
+
+    tables: Bits
+    speeds: NDArray[np.float64]
+    memories: NDArray[np.float64]
+
+    def above(self, floor: float) -> Teacher:
+        """What the register with the most memory above a floor does, or the fastest if none is above.
+
+        Parameters
+        ----------
+        floor : float
+            On speed, z_c / t_c.
+
+        Returns
+        -------
+        callable
+            From observations (n, d) to commands (n,).
+        """
+        fast = self.speeds >= floor
+        chosen = np.where(fast, self.memories, -np.inf) if fast.any() else self.speeds
+        table = self.tables[chosen.argmax()]
+        ages = np.arange(len(table).bit_length() - 1)
+
+        def command(observations: NDArray[np.float32]) -> Bits:
+            return table[observations[:, len(OBSERVATION) + ages].astype(np.int64) @ 2**ages]
+
+        return command
+
+
+def simple_registers(env_kwargs: Mapping[str, Any]) -> Simple:
+    """Find the front of the registers of three valve states, or of as many as are shown if these are fewer.
+
+    Parameters
+    ----------
+    env_kwargs : mapping
+        Of the environment.
+
+    Returns
+    -------
+    Simple
+    """
+    settings = conditions(**{name: value for name, value in env_kwargs.items() if name != "memory_weight"})
+    tables = tables_of(min(_SIMPLE, settings.valve_history))
+    found = select(lambda some, _: acting(tables[some]), len(tables), _SCREENING, settings, threads=1)
+    return Simple(tables[found.front], found.speeds[found.front], found.memories[found.front])
 
 
 def tables_of(bits: int) -> Bits:

@@ -110,7 +110,7 @@ class TradeFolder:
         """Cells whose policies a cell works on."""
         if cell.kind == CONDITIONED:
             return self.trade.teachers(cell.dither)
-        return self.trade.below(cell) if cell.judges is None else [cell.judges]
+        return [] if cell.judges is None else [cell.judges]
 
     def _keep(self, cell: Cell, outcome: Outcome) -> None:
         # The policy first: what has a result is finished.

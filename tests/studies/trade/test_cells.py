@@ -41,6 +41,8 @@ def asked(monkeypatch):
     monkeypatch.setattr(cells, "speed_limit", called("limit", limit))
     monkeypatch.setattr(cells, "open_loop_front", called("open loop", front))
     monkeypatch.setattr(cells, "schedule_runs", called("runs", "runs"))
+    registers = SimpleNamespace(above=called("above", "register"))
+    monkeypatch.setattr(cells, "simple_registers", called("registers", registers))
     monkeypatch.setattr(cells, "judge", called("judge", judgement(("0", "1"), [[0.0, 0.0], [0.1, 0.3]])))
     monkeypatch.setattr(distilled, "distil", called("distil", EITHER))
     monkeypatch.setattr(training, "train", called("train", SimpleNamespace(best_policy="best")))
@@ -93,11 +95,13 @@ def test_a_training_is_judged_by_no_more_than_letters(asked):
     assert done == ({}, POLICY)
 
 
-def test_a_training_above_a_floor_begins_from_the_policy_below(asked):
-    finish(Job(TRADE, Cell(TRAINED, 0.1, None, 3, floor=0.2), (EITHER,)))
+def test_a_training_above_a_floor_begins_as_a_register(asked):
+    finish(Job(TRADE, Cell(TRAINED, 0.1, None, 3, floor=0.2)))
     (configuration, _), named = asked["train"]
-    assert configuration == TRADE.configuration(0.1, None, 3, 0.2, climbed=True)
-    assert named["begin"] is EITHER
+    assert configuration == TRADE.configuration(0.1, None, 3, 0.2)
+    assert asked["registers"] == ((configuration.env_kwargs,), {})
+    assert asked["above"] == ((0.2,), {})
+    assert named["begin"] == "register"
 
 
 def test_a_distillation_is_of_the_cells_policies_and_seed(asked):

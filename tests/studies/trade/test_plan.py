@@ -21,7 +21,7 @@ def test_cells_are_all_that_is_asked_for_and_each_judgement_comes_after_what_it_
     ]
     [distilled] = distilling
     assert distilled[:4] == (CONDITIONED, 0.1, None, 0)
-    assert trade.teachers(0.1) + trade.floored(0.1, 0.25) == making[6:]
+    assert trade.teachers(0.1) + trade.floored(0.1) == making[6:]
     assert len({cell.name for cell in making + distilling + judging}) == len(making) + 1 + len(judging)
     judged = [cell.judges for cell in judging]
     assert set(judged) == {cell for cell in making + distilling if cell.kind in JUDGED}
@@ -33,20 +33,14 @@ def test_cells_are_all_that_is_asked_for_and_each_judgement_comes_after_what_it_
     ]
 
 
-def test_a_floor_is_climbed_from_the_one_below():
-    trade = Trade(weights=(0.0,), dithers=(0.0, 0.1), seeds=2, floors=(0.3, 0.2, 0.4), conditioned=False)
-    making, second, third, _, judging = trade.cells()
-    assert [(cell.floor, cell.seed) for cell in making if cell.floor] == [(0.2, 0), (0.2, 1)]
-    assert [(cell.floor, cell.seed) for cell in second + third] == [(0.3, 0), (0.3, 1), (0.4, 0), (0.4, 1)]
-    first = [cell for cell in making if cell.floor]
-    assert [trade.below(cell) for cell in first] == [[], []]
-    assert [trade.below(cell) for cell in second] == [[cell] for cell in first]
-    assert [trade.below(cell) for cell in third] == [[cell] for cell in second]
-    assert {cell.judges for cell in judging if cell.floor} == {*first, *second, *third}
-    # From another floor below it is another policy.
-    [_, alone, _, _] = Trade(weights=(0.0,), dithers=(0.1,), seeds=1, floors=(0.1, 0.3), conditioned=False).cells()
-    assert alone[0].name not in {cell.name for cell in second}
-    assert trade.configuration(0.1, None, 1, 0.3, climbed=True).start == "policy"
+def test_every_floor_has_its_trainings_where_there_are_flips():
+    trade = Trade(weights=(0.0,), dithers=(0.0, 0.1), seeds=2, floors=(0.3, 0.2), conditioned=False)
+    making, _, judging = trade.cells()
+    above = [cell for cell in making if cell.floor]
+    assert [(cell.dither, cell.floor, cell.seed) for cell in above] == [
+        (0.1, 0.2, 0), (0.1, 0.3, 0), (0.1, 0.2, 1), (0.1, 0.3, 1),
+    ]  # fmt: skip
+    assert {cell.judges for cell in judging if cell.floor} == set(above)
 
 
 def test_names_tell_cells_apart_that_print_alike():
@@ -64,7 +58,7 @@ def test_a_training_is_what_the_trade_says():
     assert (configuration.hyperparameters["n_timesteps"], configuration.seed) == (77, 2)
     assert (configuration.start, configuration.floor) == ("even", None)
     configuration = trade.configuration(0.05, None, 2, 0.25)
-    assert (configuration.start, configuration.floor) == ("shut", 0.25)
+    assert (configuration.start, configuration.floor) == ("policy", 0.25)
     assert "memory_weight" not in configuration.env_kwargs
 
 

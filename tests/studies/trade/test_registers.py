@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from stickslip.studies.trade import best_registers
-from stickslip.studies.trade.registers import acting, register_runs, tables_of
+from stickslip.studies.trade.registers import acting, register_runs, simple_registers, tables_of
 
 RANDOM = np.random.default_rng(0)
 
@@ -60,3 +60,17 @@ def test_the_knee_is_that_of_independent_code():
 def test_registers_that_are_not_tried_are_refused(bits, message):
     with pytest.raises(ValueError, match=message):
         best_registers(bits)
+
+
+def test_what_begins_above_a_floor_has_the_most_memory_of_the_registers_as_fast():
+    found = simple_registers({"dither": 0.1, "valve_history": 4, "memory_weight": 0.3})
+    shown = np.zeros((8, 8), np.float32)
+    shown[:, 4:7] = np.arange(8)[:, np.newaxis] >> np.arange(3) & 1
+    tables = {floor: "".join(map(str, found.above(floor)(shown))) for floor in (0.05, 0.2, 0.69, 0.9)}
+    # As docs/trade_limits.md has them: held open; the stroke; the most memory of those that walk; the fastest of all.
+    assert tables == {0.05: "11111111", 0.2: "01010100", 0.69: "11111100", 0.9: "11010100"}
+
+
+def test_a_register_sees_no_more_than_is_shown():
+    command = simple_registers({"dither": 0.1}).above(0.05)
+    assert command(np.array([[9, 9, 9, 9, 0], [9, 9, 9, 9, 1]], np.float32)).tolist() == [1, 1]
