@@ -9,7 +9,7 @@ __all__ = ["EXTRAS", "MissingExtra", "optional_import"]
 
 EXTRAS = {
     "plot": {"matplotlib"},
-    "render": {"pygame", "moviepy"},
+    "render": {"pygame", "moviepy", "imageio_ffmpeg", "PIL"},
     "cli": {"typer", "rich"},
     "train": {"stable_baselines3", "sb3_contrib", "threadpoolctl", "torch", "tensorboard", "tqdm", "yaml"},
     "interop": {"minari", "mo_gymnasium", "skrl", "torchrl"},

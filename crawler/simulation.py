@@ -174,6 +174,7 @@ def simulate(
         hold=float(batch.holds[0]) if shared else batch.holds,
         model=_model(batch, driven.solvers),
         groups=batch.crawlers[0] if single else tuple(batch.crawlers),
+        scene=batch.scenes[0] if single else tuple(batch.scenes),
         initial=deepcopy(start) if isinstance(start, ChainState) else start,
         condition=(float(driven.conditions[0]) if single else driven.conditions) if condition else None,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from .model.actuator import Actuator
 from .model.groups import Groups
+from .model.scene import Scene
 from .model.state import ChainState, State
 
 if TYPE_CHECKING:
@@ -65,6 +67,8 @@ class Trajectory:
         What was integrated, and by which solver.
     groups : Groups or tuple of Groups
         That were simulated, one a crawler of a batch.
+    scene : Scene or tuple of Scene
+        That they were simulated in, likewise.
     initial : State or ChainState
         Where the motion began, in the units of the arrays.
     condition : float or (...) array or None
@@ -95,6 +99,7 @@ class Trajectory:
     hold: Any
     model: str
     groups: Groups | tuple[Groups, ...]
+    scene: Scene | tuple[Scene, ...]
     initial: State | ChainState
     condition: Any = None
     actuator: Actuator | None = None
@@ -225,6 +230,45 @@ class Trajectory:
         from .trajectory_figure import plot_trajectory  # matplotlib is optional, and slow to import
 
         return plot_trajectory(self)
+
+    def animate(
+        self, file: Path | str, *, slow_motion: float = 1.0, start: float = 0.0, stop: float | None = None
+    ) -> Path:
+        """Write a film of the motion: the crawler, or the anchored body, segment by segment, and what it has just done.
+
+        Each picture is one of the samples, so nothing in it is made up between them; the first is where the motion
+        began. The film has 30 pictures a second, in which at most 2 t_c pass. Its words are in mm, s and kPa where the
+        trajectory is in SI (:meth:`in_si`), and then a slope is as steep as it is, else as its number; at most 7
+        degrees are drawn.
+
+        Parameters
+        ----------
+        file : Path or str
+            What is written, whole or not at all: a film if it ends in ``.mp4``, a small animation in ``.gif``, a page
+            with a player in ``.html``, which needs nothing else.
+        slow_motion : float, in [0.01, 1000]
+            2 makes the film twice as slow, which needs twice as many samples.
+        start, stop : float
+            Part of the motion that is shown, in the units of `time`; all of it by default.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is wrong, if the trajectory is a batch, or if it has too few samples a hold for a film that
+            is smooth; the message tells how many it needs.
+        FileNotFoundError
+            If the file's folder is missing.
+        stickslip.common.extras.MissingExtra
+            Without the extra ``render``.
+        """
+        from .drawing.animation import animate  # what draws and writes films is optional, and slow to import
+
+        return animate(self, file, slow_motion=slow_motion, start=start, stop=stop)
 
 
 def _spread(values: Any) -> str:

@@ -1,4 +1,4 @@
-"""Make the pages' pictures: ``python docs/pictures.py``, after ``make demo``, for the clip in ``runs/demo``."""
+"""Make the pages' pictures: ``python docs/pictures.py``."""
 
 from pathlib import Path
 
@@ -7,23 +7,19 @@ import numpy as np
 
 from stickslip.common.extras import optional_import
 from stickslip.envs import tile
+from stickslip.train.evaluation import film
+from stickslip.train.policies.pretrained import pretrained
 
 with optional_import():
     from matplotlib import image
-    from moviepy import VideoFileClip
 
-DEMO = Path("runs/demo")
 IMAGES = Path("docs/images")
 
 
 def main() -> None:
-    """Cut the demo's clip down to a short animation, and draw four crawlers of many."""
-    if DEMO.exists():
-        with VideoFileClip(str(DEMO / "gait.mp4")) as clip:
-            # Three cycles of the gait, from where the start is forgotten.
-            clip.subclipped(2.0, 2.5).with_speed_scaled(0.4).resized(width=640).write_gif(
-                str(IMAGES / "gait.gif"), fps=12, logger=None
-            )
+    """Film the policy of the knee, its readout long trained, and draw four crawlers of many."""
+    knee = pretrained("knee")
+    film(knee, IMAGES / "gait.gif", env_kwargs=knee.env_kwargs, steps=16, seed=3, washout=404)
     shown = [0, 1, 2048, 4095]
     batch = gym.make_vec("stickslip:StickSlipCrawler-v0", 4096, render_mode="rgb_array", rendered=shown)
     batch.reset(seed=0)

@@ -1,6 +1,7 @@
 """Gymnasium environments of the crawler."""
 
 from .multi_objective import StickSlipCrawlerMOEnv, StickSlipCrawlerMOVectorEnv
+from .recording import RecordVectorVideo, RecordVideo
 from .rendering.tiling import tile
 from .single import StickSlipCrawlerEnv
 from .state import CrawlerState
@@ -8,6 +9,8 @@ from .vector import StickSlipCrawlerVectorEnv
 
 __all__ = [
     "CrawlerState",
+    "RecordVectorVideo",
+    "RecordVideo",
     "StickSlipCrawlerEnv",
     "StickSlipCrawlerMOEnv",
     "StickSlipCrawlerMOVectorEnv",

@@ -18,7 +18,7 @@ from ..crawler import Groups, Scene
 from ..crawler.batch.advance import lane_workspace
 from ..crawler.closed_form.parts import is_linear
 from ..crawler.cost import cheapest_of_each, PREDICTED
-from ..crawler.model.state import Body, SLIPS
+from ..crawler.model.state import SLIPS
 from ..crawler.refusals import solver_error, SolverError
 from ..crawler.solvers import SOLVERS
 from ..crawler.steps.options import MAX_STEPS
@@ -29,7 +29,7 @@ from .batch_kernel import batch_of, draw_shares, Episode, STEP_BATCH
 from .calibration import calibrated_memory, calibration_valves
 from .infos import COUNTS, NUMBERS
 from .observation import valves_seen
-from .rendering.frame import Frame, frame_of
+from .rendering.film import Film, recalled_of
 from .settings import columns_of_numbers, CrawlerChoice, drawn_numbers, numbers_of, Settings
 from .state import CrawlerState
 
@@ -203,10 +203,30 @@ class BatchEngine:
         """What the readouts have seen of the last hold, of one crawler or of some, shape (..., features)."""
         return self._read()[:, : len(self._kind)].T[which].copy()
 
-    def frame(self, i: int) -> Frame:
-        """What a picture of crawler `i` shows."""
-        time, body = int(self.batch.steps[i]) * self._settings.hold, Body(*self.batch.bodies[:, i].tolist())
-        return frame_of(time, body, self._told(i), self._readouts is not None)
+    def follow(self, film: Film, i: int) -> None:
+        """Have a film begin anew where crawler `i` does not go on from its end: after a reset, or set to a state."""
+        body, steps = self.batch.bodies[:, i], int(self.batch.steps[i])
+        if not film.follows(body, steps):
+            film.begin(*self.crawler_of(i), body, steps, self._told(i))
+
+    def weights(self, i: int) -> NDArray[np.float64] | None:
+        """Copy of the weights of crawler `i`'s readout; None where there is none."""
+        return None if self._readouts is None else packed(self._readouts, i)[0]
+
+    def film(self, film: Film, i: int, weights: NDArray[np.float64] | None) -> None:
+        """Have a film that follows crawler `i` go through its last step, before which its readout had these weights."""
+        message = None
+        if self._readouts is not None and weights is not None:
+            block, lane = divmod(i, LANES)
+            message = recalled_of(
+                self._settings,
+                weights,
+                self._readouts.scaling[block, ..., lane],
+                self.readout_states(i),
+                self._readouts.past[block, :, lane],
+                int(self.batch.steps[i]),
+            )
+        film.add(self.batch.bodies[:, i].copy(), self._told(i), message)
 
     def close(self) -> None:
         """End the threads."""

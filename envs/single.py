@@ -14,16 +14,17 @@ from numpy.typing import NDArray
 
 from ..compiling.generators import whereabouts
 from ..crawler import Groups, GroupsLike, Scene
+from ..crawler.drawing.film import FPS
 from ..crawler.model.holds import hold_in_seconds
-from ..crawler.model.state import Body, SLIPS
+from ..crawler.model.state import SLIPS
 from ..crawler.refusals import solver_error
 from ..crawler.steps.options import FINISHED, MAX_STEPS
 from ..reservoir.prequential import PrequentialMemory
 from .calibration import calibrated_memory
 from .infos import begun, info_of, place_of, table_of_infos, TOLD
 from .observation import observation_space, seen_at_rest
-from .rendering.frame import frame_of
-from .rendering.renderer import Renderer
+from .rendering.film import Film, film_of, fps_of, Recalled, recalled_of
+from .rendering.renderer import known_mode, RENDER_MODES, Renderer, RenderMode
 from .settings import CRAWLER_OPTIONS, known_options, refuse_unread, Settings
 from .single_kernel import ANSWERS, calibration_states, ELAPSED, NO_MEMORY, rest, REWARD, samples_of, stepper_for
 from .specification import Specified
@@ -127,16 +128,26 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
     | `virtual_nodes` | int            | 4       | instants of a hold at which the body is read, 1 to 1000     |
     | `valve_history` | int            | 1       | valve states in the observation, 1 to 64                    |
     | `randomize`     | mapping        | None    | group or "slope" -> (low, high), drawn at each reset        |
-    | `render_mode`   | str            | None    | `"human"` or `"rgb_array"`                                  |
+    | `render_mode`   | str            | None    | `"human"`, `"rgb_array"` or `"rgb_array_list"`              |
+    | `slow_motion`   | float          | 1       | of the pictures, 0.01 to 1000: 2 makes them twice as slow   |
+
+    ## Pictures
+
+    Pictures are taken within the holds, from the solver's own trajectory, 30 a second, in which at most 2 t_c pass:
+    eight of a hold of 0.5 t_c (240 of a hold at most). `"human"` shows them in a window, `"rgb_array_list"` returns
+    those since the last call, and `"rgb_array"` the last one, of which `metadata["render_fps"]` says how many make up a
+    second. `stickslip.envs.RecordVideo` films all of them in either mode; Gymnasium's own takes one picture a step.
+    The lower half shows what has just happened, and, where there is dither, the flips, the message that is made of
+    them, and what the readout recalls of it.
 
     ## Version History
 
     * v0: first release.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 30}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": FPS}  # noqa: RUF012
 
-    render_mode: Literal["human", "rgb_array"] | None
+    render_mode: RenderMode | None
 
     def __init__(
         self,
@@ -153,7 +164,8 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         virtual_nodes: int = 4,
         valve_history: int = 1,
         randomize: Mapping[str, Sequence[float]] | None = None,
-        render_mode: Literal["human", "rgb_array"] | None = None,
+        render_mode: RenderMode | None = None,
+        slow_motion: float = 1.0,
     ) -> None:
         self.settings = Settings.of(
             groups=groups,
@@ -170,9 +182,9 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             randomize=randomize,
         )
         self.hold_seconds = hold_in_seconds(self.settings.hold, groups)
-        if render_mode not in (None, "human", "rgb_array"):
-            raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
-        self.render_mode = render_mode
+        self.render_mode = known_mode(render_mode, self.metadata["render_modes"])
+        self._film = film_of(self.settings, self.render_mode, slow_motion)
+        self.metadata = {**self.metadata, "render_fps": fps_of(self.settings, self.render_mode, slow_motion)}
 
         self.action_space = spaces.Discrete(2)
         self.observation_space = observation_space(self.settings.scene, self.settings.valve_history)
@@ -260,6 +272,10 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         if self._np_random is not self._drawn_from:
             self._draw_from(self.np_random)
         step, fixed, workspace, solver = self._stepper
+        weights = self._readout[0]
+        if self._film is not None:
+            self._follow(self._film)
+            weights = weights.copy()  # before they have learned of this step
         status = step(
             body,
             fixed,
@@ -280,8 +296,10 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
             after, gained = float(body[0]), int(body[SLIPS] - answers[_SLIPS])  # those told are of the step before
             raise solver_error(status, began + answers[ELAPSED], after, MAX_STEPS, *crawler, solver, gained, began)
         self._steps += 1
-        if self.render_mode == "human":
-            self.render()
+        if self._film is not None:
+            self._film.add(body, self._answers[:_TOLD], self._recalled(weights))
+            if self.render_mode == "human":
+                self.render()
         # The caller keeps the observation and the groups.
         info = info_of(answers, self._groups.copy(), self._slope)
         return self._observation.copy(), answers[REWARD], False, False, info
@@ -308,32 +326,51 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         """Keys and actions for `gymnasium.utils.play`: the space bar opens the valve."""
         return {(ord(" "),): 1}
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """Draw the crawler as it is now.
+    def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:  # type: ignore[override]
+        """Draw the crawler as it is now, or as it was since the last call.
 
         Returns
         -------
-        (height, width, 3) array of uint8, or None
-            None for `render_mode="human"`, which shows a window.
+        (height, width, 3) array of uint8, list of these, or None
+            For `render_mode="rgb_array"` the crawler at the end of its hold, for `"rgb_array_list"` all pictures within
+            the holds since the last call; None for `"human"`, which has shown them in a window.
 
         Raises
         ------
         gymnasium.error.ResetNeeded
             If called before `reset`.
         """
-        if self.render_mode is None:
+        if self.render_mode is None or self._film is None:
             gym.logger.warn(
                 "render was called without a render_mode; "
                 'make the environment with gym.make("StickSlipCrawler-v0", render_mode="rgb_array")'
             )
             return None
-        body = self._body
-        if body is None:
-            raise ResetNeeded("render needs a call of reset first")
-        if self._renderer is None:
-            self._renderer = Renderer(self.render_mode, self.metadata["render_fps"])
-        time, remembers = self._steps * self.settings.hold, self._memory is not None
-        return self._renderer.draw(frame_of(time, Body(*body.tolist()), self._answers[:_TOLD], remembers))
+        film, renderer = self._drawing()
+        if self.render_mode == "rgb_array":
+            return renderer.draw(film.last()[-1], film.world)
+        unseen = film.unseen()
+        if self.render_mode == "human":
+            renderer.show(unseen or film.last()[-1:], film.world)
+            return None
+        return [renderer.draw(frame, film.world) for frame in unseen]
+
+    def frames(self) -> list[NDArray[np.uint8]]:
+        """Draw the last step: every picture within its hold, or the one of a crawler that has been reset.
+
+        Returns
+        -------
+        list of (height, width, 3) arrays of uint8
+
+        Raises
+        ------
+        ValueError
+            Without a `render_mode`.
+        gymnasium.error.ResetNeeded
+            If called before `reset`.
+        """
+        film, renderer = self._drawing()
+        return [renderer.draw(frame, film.world) for frame in film.last()]
 
     def readout_states(self) -> NDArray[np.float64]:
         """What the memory readout has seen of the hold just ended.
@@ -432,6 +469,31 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
         # A window cannot be copied; the copy opens its own.
         # Its generator lies elsewhere.
         return {**self.__dict__, "_renderer": None, "_drawn_from": None}
+
+    def _drawing(self) -> tuple[Film, Renderer]:
+        """What is drawn, up to now, and what draws it."""
+        if self._film is None:
+            raise ValueError("frames needs a render_mode, got an environment without")
+        if self._body is None:
+            raise ResetNeeded("render needs a call of reset first")
+        self._follow(self._film)
+        if self._renderer is None:
+            self._renderer = Renderer()
+        return self._film, self._renderer
+
+    def _follow(self, film: Film) -> None:
+        """Have a film begin anew where the crawler does not go on from its end: after a reset, or set to a state."""
+        body = self._body
+        assert body is not None
+        if not film.follows(body, self._steps):
+            film.begin(self.episode_groups, self.episode_scene, body, self._steps, self._answers[:_TOLD])
+
+    def _recalled(self, weights: NDArray[np.float64]) -> Recalled | None:
+        """Message so far, and what a readout with these weights makes of the last hold."""
+        if self._memory is None:
+            return None
+        scaling, past = self._readout[3][:2, :-1], self._readout[2][0]
+        return recalled_of(self.settings, weights, scaling, self._read(), past, self._steps)
 
     def _calibrate(self) -> None:
         if self._memory is None and self.settings.dither > 0.0:

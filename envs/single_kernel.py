@@ -39,6 +39,7 @@ __all__ = [
     "rest",
     "samples_of",
     "stepper_for",
+    "within_hold",
 ]
 
 _BODY = len(Body._fields)
@@ -76,8 +77,11 @@ def samples_of(instants: int) -> Array:
     return np.empty((len(State._fields), instants))
 
 
-def stepper_for(settings: Settings, groups: Groups, scene: Scene) -> Stepper:
-    """The cheapest way to step a crawler, hold by hold."""
+def stepper_for(settings: Settings, groups: Groups, scene: Scene, *, samples: int | None = None) -> Stepper:
+    """The cheapest way to step a crawler, hold by hold; with as many samples of a hold as its readout takes, or other.
+
+    How many there are changes nothing of the motion.
+    """
     coefficients = coefficients_of(groups, scene)
     solver = choose(AUTO, groups, scene, settings.hold, settings.tolerance)
     options = solver.options(settings.tolerance)
@@ -85,7 +89,7 @@ def stepper_for(settings: Settings, groups: Groups, scene: Scene) -> Stepper:
     return Stepper(
         _STEP[type(options.method)],
         np.array([*coefficients, *numbers, settings.dither, settings.memory_weight, *settings.aim]),
-        solver.workspace(coefficients, settings.hold, settings.samples),
+        solver.workspace(coefficients, settings.hold, settings.samples if samples is None else samples),
         solver.name,
     )
 
@@ -112,6 +116,31 @@ def calibration_states(settings: Settings) -> Array:
             raise solver_error(status, reached, float(body[0]), MAX_STEPS, *crawler, solver, gained, began)
         states[k] = samples[:3].reshape(-1)
     return states
+
+
+def within_hold(stepper: Stepper, body: Array, valve: int, samples: int, valve_history: int) -> Array:
+    """What a crawler does in one hold, sampled: nobody reads it, nothing is drawn, and the state stays as it is.
+
+    Parameters
+    ----------
+    stepper : Stepper
+        For as many samples.
+    body : (7,) array
+        Where the hold begins.
+    valve : int
+        As it was held, after the flip.
+    samples : int
+    valve_history : int
+        Of the environment.
+
+    Returns
+    -------
+    (5, samples) array
+        z, v, p, x, w at equal distances, the last at the hold's end.
+    """
+    taken, observation, answers = samples_of(samples), seen_at_rest(valve_history), np.empty(ANSWERS)
+    stepper.step(body.copy(), stepper.fixed, valve, 0, 0, taken, stepper.workspace, observation, answers, *NO_MEMORY, 0)
+    return taken
 
 
 @merged

@@ -19,6 +19,8 @@ from ..crawler.model.holds import hold_in_seconds
 from .batch_engine import BatchEngine
 from .infos import begun, COUNTS, NUMBERS, TOLD
 from .observation import observation_space
+from .rendering.film import Film, film_of, fps_of
+from .rendering.renderer import known_mode
 from .rendering.tiling import Tiles
 from .settings import CRAWLER_OPTIONS, CrawlerChoice, known_options, refuse_unread, Settings
 from .single import StickSlipCrawlerEnv
@@ -72,6 +74,8 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     threads : int, optional
         Most threads that share a step; as many as there are processors to run on by default.
     render_mode : {"human", "rgb_array"}, optional
+    slow_motion : float, in [0.01, 1000]
+        As in `StickSlipCrawlerEnv`.
     rendered : sequence of int, optional
         Sub-environments that `render` draws; all by default.
 
@@ -86,7 +90,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         If an argument is out of range or of the wrong type; the message names it.
     """
 
-    metadata: dict[str, Any] = StickSlipCrawlerEnv.metadata
+    metadata: dict[str, Any] = {**StickSlipCrawlerEnv.metadata, "render_modes": ["human", "rgb_array"]}  # noqa: RUF012
     _sub_environment = SubEnvironment
 
     render_mode: Literal["human", "rgb_array"] | None
@@ -113,6 +117,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         threads: int | None = None,
         render_mode: Literal["human", "rgb_array"] | None = None,
         rendered: Sequence[int] | None = None,
+        slow_motion: float = 1.0,
     ) -> None:
         self.num_envs = whole_number("num_envs", num_envs, 1)
         arguments: dict[str, Any] = {
@@ -137,12 +142,14 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         never = max_episode_steps is None or max_episode_steps == -1
         self.autoreset_mode = autoreset_mode_of(autoreset_mode)
         self._copy = truth_value("copy", copy)
-        if render_mode not in (None, "human", "rgb_array"):
-            raise ValueError(f"render_mode must be one of {self.metadata['render_modes']} or None, got {render_mode!r}")
+        known_mode(render_mode, self.metadata["render_modes"])
         self.render_mode = render_mode
         self._rendered = shown_of(rendered, self.num_envs)
+        films = {i: film_of(self.settings, render_mode, slow_motion) for i in self._rendered}
+        self._films = {i: film for i, film in films.items() if film is not None}
         self._tiles: Tiles | None = None
-        self.metadata = {**StickSlipCrawlerEnv.metadata, "autoreset_mode": self.autoreset_mode}
+        fps = fps_of(self.settings, render_mode, slow_motion)
+        self.metadata = {**self.metadata, "render_fps": fps, "autoreset_mode": self.autoreset_mode}
 
         self.single_action_space = spaces.Discrete(2)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -232,7 +239,13 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             over = np.flatnonzero(idle).tolist()
             raise ResetNeeded(f"the episodes of sub-environments {over} are over; reset them with a reset_mask")
         self._begun[:] = False  # until the step has succeeded
+        filmed = {i: film for i, film in self._films.items() if not idle[i]}
+        for i, film in filmed.items():
+            self._engine.follow(film, i)
+        weights = {i: self._engine.weights(i) for i in filmed}
         self._engine.step(commands, idle)
+        for i, film in filmed.items():
+            self._engine.film(film, i, weights[i])
         self._begun[:] = True
 
         results = self._engine.results
@@ -278,11 +291,29 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
                 'make the environment with gym.make_vec("StickSlipCrawler-v0", n, render_mode="rgb_array")'
             )
             return None
-        if not self._running:
-            raise ResetNeeded("render needs a call of reset first")
-        if self._tiles is None:
-            self._tiles = Tiles(self.render_mode, self.metadata["render_fps"], self._rendered)
-        return self._tiles.draw([self._engine.frame(i) for i in self._rendered])
+        films, tiles = self._drawing()
+        if self.render_mode == "rgb_array":
+            return tiles.draw(films)
+        tiles.show(films)
+        return None
+
+    def frames(self) -> list[tuple[NDArray[np.uint8], ...]]:
+        """Draw the last step of the `rendered` crawlers: every picture within the hold.
+
+        Returns
+        -------
+        list of tuples of (height, width, 3) arrays of uint8
+            A picture of each crawler; who has begun an episode stands still.
+
+        Raises
+        ------
+        ValueError
+            Without a `render_mode`.
+        gymnasium.error.ResetNeeded
+            If called before `reset`.
+        """
+        films, tiles = self._drawing()
+        return list(tiles.together(films, [film.last() for film in films]))
 
     def close_extras(self, **_: Any) -> None:
         """End the threads, and close the window if there is one."""
@@ -448,6 +479,18 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     def __getstate__(self) -> dict[str, Any]:
         # A window cannot be copied; the copy opens its own.
         return {**self.__dict__, "_tiles": None}
+
+    def _drawing(self) -> tuple[list[Film], Tiles]:
+        """What is drawn, up to now, and what draws it."""
+        if not self._films:
+            raise ValueError("frames needs a render_mode, got an environment without")
+        if not self._running:
+            raise ResetNeeded("render needs a call of reset first")
+        for i, film in self._films.items():
+            self._engine.follow(film, i)
+        if self._tiles is None:
+            self._tiles = Tiles(self._rendered)
+        return [self._films[i] for i in self._rendered], self._tiles
 
     @property
     def _running(self) -> bool:

@@ -1,17 +1,13 @@
 """What a trained policy comes to, measured as every schedule is."""
 
-import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TYPE_CHECKING, TypeAlias
 
-import gymnasium as gym
 import numpy as np
-from gymnasium.wrappers import RecordVideo
 from numpy.typing import NDArray
 
-from ..common.extras import optional_import
-from ..common.files import atomically
+from ..crawler.drawing.film import film_file, write_film
 from ..envs import StickSlipCrawlerEnv
 from .policies.policy import Policy
 from .schedules import measured_under, Performance, performance
@@ -80,42 +76,47 @@ def measure(
     return result, command, valve
 
 
-def film(policy: Acting, file: Path, *, env_kwargs: dict[str, Any], steps: int = 240, seed: int = 0) -> None:
+def film(
+    policy: Acting,
+    file: Path,
+    *,
+    env_kwargs: dict[str, Any],
+    steps: int = 40,
+    seed: int = 0,
+    slow_motion: float = 1.0,
+    washout: int = 0,
+) -> None:
     """Write a clip of a policy at work.
 
     Parameters
     ----------
     policy : Policy or BaseAlgorithm
     file : Path
-        Ends in ``.mp4``; its folder must exist.
+        Ends in ``.mp4``, ``.gif`` or ``.html``; its folder must exist.
     env_kwargs : dict
         Arguments of the environment.
     steps : int
-        Frames.
+        That are shown.
     seed : int
         Of the flips.
+    slow_motion : float
+        2 makes the clip twice as slow.
+    washout : int
+        Steps before those that are shown.
     """
-    with optional_import():
-        import moviepy  # noqa: F401  (Gymnasium films by it)
-
-    folder = file.parent / f".{file.stem}"
-    shutil.rmtree(folder, ignore_errors=True)
-    environment = RecordVideo(
-        gym.make("StickSlipCrawler-v0", **env_kwargs, render_mode="rgb_array", max_episode_steps=steps),
-        video_folder=str(folder),
-        name_prefix="clip",
-        episode_trigger=lambda _: True,
-    )
+    arguments: dict[str, Any] = {**env_kwargs, "render_mode": "rgb_array", "slow_motion": slow_motion}
+    environment = StickSlipCrawlerEnv(**arguments)
     act = actor(policy)
-    observation, _ = environment.reset(seed=seed)
-    finished = False
-    while not finished:
-        observation, _, terminated, truncated, _ = environment.step(int(act(observation)))
-        finished = terminated or truncated
+
+    def pictures() -> Iterator[NDArray[np.uint8]]:
+        observation, _ = environment.reset(seed=seed)
+        for k in range(washout + steps):
+            observation, *_ = environment.step(int(act(observation)))
+            if k >= washout:
+                yield from environment.frames()
+
+    write_film(film_file(file), pictures())
     environment.close()
-    (clip,) = folder.glob("*.mp4")
-    atomically(file, lambda path: clip.replace(path))
-    folder.rmdir()
 
 
 def actor(policy: Acting, count: int = 1) -> Callable[[NDArray[np.float32]], Any]:

@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Literal, TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .canvas import GREY, MIST
-from .frame import Frame
-from .panel import VALUE_SIZE
+from ...crawler.drawing.film import FPS
+from ...crawler.drawing.frame import Frame
+from ...crawler.drawing.header import VALUE_SIZE
+from ...crawler.drawing.palette import GREY, MIST
+from ...crawler.drawing.raster import import_pygame
+from .film import Film
 from .renderer import Renderer
-from .window import import_pygame, Window
+from .window import Window
 
 if TYPE_CHECKING:
     import pygame
 
 __all__ = ["Tiles", "tile"]
 
+Picture = NDArray[np.uint8]
+
 # Of the whole picture: it has to fit a screen.
 _WIDEST, _HIGHEST = 1920, 1080
 _GAP = 4
 _LEAST_TEXT = 14
 _MARGIN = 16
-_BELOW_READOUT = 0.25  # share of a picture's height where nothing else is drawn
+_BELOW_READOUT = 0.18  # share of a picture's height where nothing else is drawn
 
 
 class Tiles:
@@ -33,40 +38,34 @@ class Tiles:
 
     Parameters
     ----------
-    mode : {"human", "rgb_array"}
-        Show one picture of all in a window, or return one of each.
-    fps : int
-        Pictures per second of the window.
     names : sequence of int
         Of the crawlers.
     """
 
-    def __init__(self, mode: Literal["human", "rgb_array"], fps: int, names: Sequence[int]) -> None:
+    def __init__(self, names: Sequence[int]) -> None:
         self._names = names
-        self._renderers = [Renderer("rgb_array", fps) for _ in names]
-        self._window = Window(fps) if mode == "human" else None
+        self._renderer = Renderer()
+        self._window = Window(FPS)
 
-    def draw(self, frames: Sequence[Frame]) -> tuple[NDArray[np.uint8], ...] | None:
-        """Draw a frame of each crawler.
+    def draw(self, films: Sequence[Film]) -> tuple[Picture, ...]:
+        """Draw the newest frame of each crawler; (HEIGHT, WIDTH, 3) arrays of uint8."""
+        return tuple(self._renderer.draw(film.last()[-1], film.world) for film in films)
 
-        Returns
-        -------
-        tuple of (HEIGHT, WIDTH, 3) arrays of uint8, or None
-            None in mode "human".
-        """
-        drawn = (renderer.draw(frame) for renderer, frame in zip(self._renderers, frames, strict=True))
-        pictures = [picture for picture in drawn if picture is not None]
-        if self._window is None:
-            return tuple(pictures)
-        self._window.show(_tiled(pictures, self._names))
-        return None
+    def together(self, films: Sequence[Film], frames: Sequence[Sequence[Frame]]) -> Iterator[tuple[Picture, ...]]:
+        """Draw frames of each crawler side by side in time; who has fewer of them stands still at the last."""
+        for k in range(max(map(len, frames))):
+            shown = zip(frames, films, strict=True)
+            yield tuple(self._renderer.draw(each[min(k, len(each) - 1)], film.world) for each, film in shown)
+
+    def show(self, films: Sequence[Film]) -> None:
+        """Show what was not yet shown in a window, all crawlers in one picture."""
+        for pictures in self.together(films, [film.unseen() or film.last()[-1:] for film in films]):
+            self._window.show(_tiled(pictures, self._names))
 
     def close(self) -> None:
         """Close the window, if there is one."""
-        for renderer in self._renderers:
-            renderer.close()
-        if self._window is not None:
-            self._window.close()
+        self._renderer.close()
+        self._window.close()
 
 
 def tile(pictures: Sequence[NDArray[np.uint8]], names: Sequence[object] = ()) -> NDArray[np.uint8]:

@@ -2,28 +2,14 @@
 
 from __future__ import annotations
 
-from types import ModuleType
 from typing import TYPE_CHECKING
 
-from ...common.extras import optional_import
+from ...crawler.drawing.raster import import_pygame
 
 if TYPE_CHECKING:
     import pygame
 
-__all__ = ["Window", "import_pygame"]
-
-
-def import_pygame() -> ModuleType:
-    """pygame, imported only where something is drawn.
-
-    Raises
-    ------
-    stickslip.common.extras.MissingExtra
-        Where it is missing; a `gymnasium.error.DependencyNotInstalled`.
-    """
-    with optional_import():
-        import pygame
-    return pygame
+__all__ = ["Window"]
 
 
 class Window:

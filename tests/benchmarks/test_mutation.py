@@ -96,7 +96,7 @@ def test_a_change_elsewhere_leaves_the_order_of_the_faults(tmp_path):
 
 
 def test_faults_of_the_package_compile():
-    for file in ("crawler/loop.py", "tasks/narma.py", "envs/rendering/canvas.py"):
+    for file in ("crawler/loop.py", "tasks/narma.py", "crawler/drawing/side_view.py"):
         text = (ROOT / file).read_bytes()
         for mutant in mutants(text)[::20]:
             compile(mutant.applied(text), file, "exec")

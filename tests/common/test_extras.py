@@ -31,7 +31,7 @@ FOLDERS = (
 )
 EXTRA_OF = {package: extra for extra, packages in EXTRAS.items() for package in packages}
 # Where a package is not imported by the name it is installed by.
-DISTRIBUTIONS = {"yaml": "pyyaml"}
+DISTRIBUTIONS = {"PIL": "pillow", "yaml": "pyyaml"}
 
 
 def message(package):
@@ -122,8 +122,8 @@ def test_a_figure_names_its_extra():
 def test_a_film_names_its_extra(monkeypatch, tmp_path):
     from stickslip.train.evaluation import film
 
-    monkeypatch.setitem(sys.modules, "moviepy", None)
-    with pytest.raises(MissingExtra, match=message("moviepy")):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(MissingExtra, match=message("imageio_ffmpeg")):
         film(None, tmp_path / "clip.mp4", env_kwargs={})
     assert list(tmp_path.iterdir()) == []
 

@@ -4,7 +4,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from stickslip.crawler import Actuator, ChainState, EVENT, Groups, simulate, State, Trajectory
+from stickslip.crawler import Actuator, ChainState, EVENT, Groups, Scene, simulate, State, Trajectory
 
 mpl.use("Agg")
 
@@ -91,6 +91,7 @@ def crawled(**changes):
         "hold": 2.0,
         "model": "on the ground, by hand",
         "groups": Groups(),
+        "scene": Scene(),
         "initial": State(),
     }
     return Trajectory(**numbers | changes)

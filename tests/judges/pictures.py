@@ -5,11 +5,11 @@ import pytest
 
 pygame = pytest.importorskip("pygame")
 
-__all__ = ["AIR", "BLUE", "GREY", "INK", "MIST", "ORANGE", "box_of", "places_of", "shown_in", "width_of"]
+__all__ = ["AIR", "BLUE", "GREY", "INK", "MIST", "ORANGE", "box_of", "film_in", "places_of", "shown_in", "width_of"]
 
 # Okabe and Ito's, which a reader knows from the legend of every figure.
 AIR, BLUE, ORANGE = (86, 180, 233), (0, 114, 178), (213, 94, 0)
-INK, GREY, MIST = (45, 52, 60), (125, 132, 140), (224, 228, 232)
+INK, GREY, MIST = (45, 52, 60), (110, 117, 125), (224, 228, 232)
 
 
 def shown_in(image, colour, left=0, top=0, right=None, bottom=None):
@@ -44,3 +44,12 @@ def width_of(text, size):
     """Pixels that a text takes."""
     pygame.font.init()
     return pygame.font.Font(None, size).size(text)[0]
+
+
+def film_in(path):
+    """All pictures of a film, and how many it shows in a second."""
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    frames = ffmpeg.read_frames(str(path))
+    facts = next(frames)
+    width, height = facts["size"]
+    return [np.frombuffer(each, np.uint8).reshape(height, width, 3) for each in frames], facts["fps"]
