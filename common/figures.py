@@ -37,6 +37,9 @@ def house_style() -> Iterator[None]:
     """Draw in the style of all figures of this package, and leave matplotlib's settings as they were."""
     with plt.rc_context(_STYLE):
         yield
+        interactive = plt.isinteractive()
+    # The first figure loads the backend, and a notebook's says for good that figures are shown.
+    (plt.ion if interactive else plt.ioff)()
 
 
 def save_figure(figure: Figure, *files: Path) -> None:

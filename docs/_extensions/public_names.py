@@ -8,7 +8,7 @@ import ast
 import inspect
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -91,7 +91,8 @@ def _packages() -> list[ModuleType]:
 def _about(module: ModuleType, name: str) -> Iterator[str]:
     """The text below an assignment, and the names that a table holds."""
     home = _home(module, name)
-    yield from ModuleAnalyzer.for_module(home.__name__).find_attr_docs().get(("", name), [])
+    for line in ModuleAnalyzer.for_module(home.__name__).find_attr_docs().get(("", name), []):
+        yield _line_as_rest(line, ())
     yield ""
     thing = getattr(module, name)
     if isinstance(thing, Mapping):
@@ -114,12 +115,15 @@ def _as_rest(_app: Sphinx, _what: str, _name: str, _thing: Any, _options: Any, l
     if lines and lines[0].startswith("## "):
         lines[:] = ["See :doc:`the environment's page </environment>`.", ""]
     sources = {mark for line in lines for mark in re.findall(r"^\.\. (\[\d\])", line)}
-    for i, line in enumerate(lines):
-        line = re.sub(r"`docs/(\w+)\.md`", r":doc:`/\1`", line)
-        line = re.sub(r"\|(\w+)\|", r"``|\1|``", line)  # no substitution
-        line = re.sub(r"(?<=[( ])(\w+_)(?=[,)])", r"``\1``", line)  # no target, but scikit-learn's names
-        line = re.sub(r"(?<![`:])(`\w+`)(?=\w)", r"\1\\ ", line)  # a plural
-        lines[i] = re.sub(r"(\[\d\])_", lambda mark: mark[0] if mark[1] in sources else mark[1], line)
+    lines[:] = [_line_as_rest(line, sources) for line in lines]
+
+
+def _line_as_rest(line: str, sources: Collection[str]) -> str:
+    line = re.sub(r"`docs/(\w+)\.md`", r":doc:`/\1`", line)
+    line = re.sub(r"\|(\w+)\|", r"``|\1|``", line)  # no substitution
+    line = re.sub(r"(?<=[( ])(\w+_)(?=[,)])", r"``\1``", line)  # no target, but scikit-learn's names
+    line = re.sub(r"(?<![`:])(`\w+`)(?=\w)", r"\1\\ ", line)  # a plural
+    return re.sub(r"(\[\d\])_", lambda mark: mark[0] if mark[1] in sources else mark[1], line)
 
 
 def _skip(_app: Sphinx, _what: str, name: str, thing: Any, _skipped: bool, _options: Any) -> bool | None:

@@ -32,13 +32,14 @@ print(motion)
 # smooth; at them it is not, which a phase portrait shows.
 
 # %%
-print(motion.events[:4])
 figure, axes = plt.subplots(figsize=(5.5, 3.6), layout="constrained")
 axes.plot(motion.deformation, motion.velocity, lw=1, color="0.6", label="motion")
 sliding = motion.foot_velocity > 0
 axes.plot(motion.deformation[sliding], motion.velocity[sliding], ".", ms=5, color="C1", label="the foot slides")
 axes.set(xlabel="deformation $z$ ($z_c$)", ylabel="rate $v$ ($z_c / t_c$)")
 axes.legend()
+for event in motion.events[:4]:
+    print(f"at {event['time']:.8f} the foot", "slides" if event["mode"] else "sticks")
 
 # %% [markdown]
 # ## Error against tolerance

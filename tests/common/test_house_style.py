@@ -32,6 +32,17 @@ def test_the_style_holds_within_its_block_only():
     plt.close(figure)
 
 
+def test_a_notebook_that_begins_to_show_figures_within_the_block_goes_on_to():
+    """Its backend is loaded by the first figure, and says then that figures are shown."""
+    try:
+        with house_style():
+            plt.ion()
+        assert plt.isinteractive()
+        assert matplotlib.rcParams["font.size"] != 9
+    finally:
+        plt.ioff()
+
+
 def test_a_figure_is_written_in_every_form_at_the_style_s_resolution_and_closed(tmp_path):
     figure = plt.figure(figsize=(4.0, 1.0))
     figure.add_axes((0.5, 0.1, 0.2, 0.8))
