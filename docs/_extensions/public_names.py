@@ -104,7 +104,7 @@ def _about(module: ModuleType, name: str) -> Iterator[str]:
 def _home(module: ModuleType, name: str) -> ModuleType:
     """The module that assigns a name, followed through the imports of packages."""
     tree = ast.parse(inspect.getsource(module))
-    for statement in tree.body:
+    for statement in ast.walk(tree):
         if isinstance(statement, ast.ImportFrom) and name in {each.name for each in statement.names}:
             return _home(import_module("." * statement.level + (statement.module or ""), module.__package__), name)
     return module
