@@ -35,12 +35,12 @@ class Log:
         self._channels: tuple[str, ...] = ()
         self._numbers = array("d")
 
-    def add(self, time: float, valve: int, command: int | None, measured: dict[str, float]) -> None:
+    def add(self, time: float, valve: int | None, command: int | None, measured: dict[str, float]) -> None:
         """Keep a row; what is measured, in SI, is the same in every one."""
         if not self._channels:
             self._channels = tuple(name for name in _UNITS if name in measured)
-        numbers = (time, valve, _NONE if command is None else command, *[measured[name] for name in self._channels])
-        self._numbers.extend(numbers)
+        states = (_NONE if state is None else state for state in (valve, command))
+        self._numbers.extend((time, *states, *[measured[name] for name in self._channels]))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -49,7 +49,7 @@ class Log:
 
     @property
     def rows(self) -> NDArray[np.float64]:
-        """A row a reading, in the units of the names; no number where there was no command."""
+        """A row a reading, in the units of the names; not a number where there was no command, or no valve is told."""
         rows = np.array(self._numbers).reshape(-1, len(self.names))
         rows[:, 3:] *= [SENSORS[name][_UNITS[name]] for name in self._channels]
         return rows
@@ -67,6 +67,5 @@ class Log:
 
 
 def _line(row: Sequence[float]) -> str:
-    time, valve, command, *measured = row
-    asked = "" if math.isnan(command) else f"{command:.0f}"
-    return ",".join([f"{time:.9g}", f"{valve:.0f}", asked, *(f"{value:.9g}" for value in measured)])
+    states = ["" if math.isnan(state) else f"{state:.0f}" for state in row[1:3]]
+    return ",".join([f"{row[0]:.9g}", *states, *(f"{value:.9g}" for value in row[3:])])

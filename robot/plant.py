@@ -60,6 +60,8 @@ class SimulatedPlant:
         self._turned = self._seen = clock.now()
         self._at_turn: State | None = None  # at rest
         self._now: State | None = None
+        # Kernels are compiled now, not between two deadlines.
+        simulate(self._groups, [1], 0.5, scene=self._scene, tolerance=self._tolerance)
 
     def read(self) -> dict[str, float]:
         """What its sensors tell now, in SI units: such as ``{"deformation_m": 0.004, "pressure_Pa": 11e3}``."""

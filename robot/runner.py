@@ -135,7 +135,8 @@ class Runner:
             How many; until something ends it by default.
         log : str or Path, optional
             File of comma-separated columns to write when the run is over, however it ended: ``time_s``, ``valve``,
-            ``command`` and what was measured. The valve is what it is from this row on.
+            ``command`` and what was measured. The valve is what it is from this row on; it is empty where a reading
+            came so late that the valve should have been turned before.
 
         Returns
         -------
@@ -192,7 +193,8 @@ class Runner:
                     continue  # its time is over
                 clock.sleep_until(start + instant + j * hold / self._readings)
                 seen, measured = look()
-                self.log.add(seen, valve, None, measured)
+                # Of a hold that is over nobody may take the valve for that of the next.
+                self.log.add(seen, valve if seen < instant + hold else None, None, measured)
             late = int((clock.now() - start - instant) / hold)
             skipped = max(0, late - 1)
             if holds is not None:

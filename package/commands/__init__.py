@@ -23,6 +23,7 @@ from . import (
     mapping,
     names,
     reproduce,
+    running,
     search,
     speed,
     trade,
@@ -46,6 +47,7 @@ app.command("evaluate", cls=Interruptible)(evaluate.evaluate)
 app.command("explore", cls=Interruptible)(explore.explore)
 app.command("trade", cls=continued())(trade.trade)
 app.command("export", cls=Interruptible)(export.export)
+app.command("run", cls=Interruptible)(running.run_policy)
 app.command("speed", cls=Interruptible)(speed.speed)
 app.command("bench", cls=resumed("finished"))(bench.bench)
 app.command("search", cls=continued())(search.search)

@@ -5,7 +5,7 @@ from typing import Annotated, Any, TYPE_CHECKING
 
 from ..common.extras import optional_import
 from ..common.validation import known_names, whole_number
-from .options import actuator_of, WeightOption
+from .options import actuator_of, policy_of, WeightOption
 from .printing import say
 
 with optional_import():
@@ -60,30 +60,19 @@ def export(
         raise ValueError(f"{source} must be a policy for --weight and --to {', '.join(_OF_POLICIES)}, it is a word")
     file = Path(f"{Path(source).name.removesuffix('.safetensors')}.{to}") if output is None else output
     if to in _OF_POLICIES:
-        say(_write_policy(_policy(source, weight), to, file))
+        say(_write_policy(policy_of(source, weight), to, file))
         return
     body = None if actuator is None else actuator_of(actuator)
     asked = {name: value for name, value in {"hold": hold, "dither": dither}.items() if value is not None}
     settings: dict[str, Any] = {"holds": holds, "seed": seed, "open_volts": open_volts, "shut_volts": shut_volts}
     settings |= {"actuator": body} | asked
-    schedule = play_word(source, **settings) if word else play_policy(_policy(source, weight), **settings)
+    schedule = play_word(source, **settings) if word else play_policy(policy_of(source, weight), **settings)
     if to == "csv":
         write_csv(schedule, file)
     else:
         told = {"source": source, "weight": weight, "seed": seed, **asked}
         write_json(schedule, file, Actuator.ecoflex() if body is None else body, told)
     say(f"{holds} holds of {schedule.time[1]:.4g} s: {file}")
-
-
-def _policy(source: str, weight: float | None) -> "Policy":
-    from ..train.policies.files import DESCRIPTION, read_policy, WEIGHTS
-    from ..train.policies.pretrained import PRETRAINED, pretrained
-
-    if source in PRETRAINED:
-        policy = pretrained(source)
-    else:
-        policy = read_policy(source if source.endswith((WEIGHTS, DESCRIPTION)) else Path(source) / "best")
-    return policy if weight is None else policy.at(weight)
 
 
 def _write_policy(policy: "Policy", to: str, file: Path) -> str:

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import fields, MISSING
+from pathlib import Path
 from typing import Annotated, Any, TYPE_CHECKING, TypeAlias
 
 from ..common.extras import optional_import
@@ -12,6 +13,7 @@ with optional_import():
 
 if TYPE_CHECKING:
     from ..crawler import Actuator
+    from ..train.policies import Policy
 
 __all__ = [
     "GroupsOption",
@@ -22,6 +24,7 @@ __all__ = [
     "actuator_of",
     "groups_of",
     "json_object",
+    "policy_of",
     "said_in",
 ]
 
@@ -87,6 +90,24 @@ def json_object(option: str, text: str) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise ValueError(f"{option} must be a JSON object, got {text!r}")
     return value
+
+
+def policy_of(source: str, weight: float | None) -> "Policy":
+    """A pretrained policy by name, or that of a file or of a run's folder; at a weight, if one is given.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or it takes no weight.
+    """
+    from ..train.policies.files import DESCRIPTION, read_policy, WEIGHTS
+    from ..train.policies.pretrained import PRETRAINED, pretrained
+
+    if source in PRETRAINED:
+        policy = pretrained(source)
+    else:
+        policy = read_policy(source if source.endswith((WEIGHTS, DESCRIPTION)) else Path(source) / "best")
+    return policy if weight is None else policy.at(weight)
 
 
 def said_in(context: typer.Context) -> set[str]:

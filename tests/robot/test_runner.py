@@ -90,13 +90,13 @@ def test_positions_alone_show_a_policy_nearly_what_it_would_see():
     for sensors in (("deformation", "velocity", "pressure", "foot_velocity"), ("payload", "foot")):
         clock, seen = VirtualClock(), []
         plant = SimulatedPlant(ECOFLEX, clock, sensors=sensors)
-        word = iter([1, 1, 1, 0, 0] * 12)
+        word = iter([1, 1, 1, 0, 0] * 5)
 
         def by_word(observation, seen=seen, word=word):
             seen.append(observation)
             return next(word)
 
-        Runner(by_word, plant.read, plant.write, actuator=ECOFLEX, hold=0.5, readings=16, clock=clock).run(60)
+        Runner(by_word, plant.read, plant.write, actuator=ECOFLEX, hold=0.5, readings=16, clock=clock).run(25)
         shown[sensors] = np.array(seen)
     exact, reckoned = shown.values()
     # The pressure follows the valve by the model's own law.
@@ -157,6 +157,23 @@ def test_readings_whose_time_is_over_are_left_out():
     done.run(2)
     times = done.log.rows[:, 0] / HOLD
     np.testing.assert_allclose(times, [0, 0.3, *np.arange(3, 8) / 8, *(1 + np.arange(8) / 8), 2], atol=1e-9)
+
+
+def test_a_late_reading_tells_no_valve_of_the_hold_that_it_fell_into(tmp_path):
+    class Oversleeping(ScriptedClock):
+        late = iter([0.0, 0.75 * HOLD] + [0.0] * 100)
+
+        def sleep_until(self, instant):
+            super().sleep_until(instant)
+            self.time += next(self.late)
+
+    clock, word = Oversleeping(), iter([1, 0, 1, 1])
+    runner(clock, Body(clock), lambda observation: next(word)).run(4, log=tmp_path / "run.csv")
+    rows = [line.split(",") for line in (tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()[1:]]
+    np.testing.assert_allclose(
+        [float(row[0]) / HOLD for row in rows], [0, 1.25, 1.25, 1.5, 2, 2.5, 3, 3.5, 4], atol=1e-7
+    )
+    assert [row[1] for row in rows] == ["1", "", "0", "0", "1", "1", "1", "1", "0"]
 
 
 def failing(error, after):
