@@ -20,6 +20,7 @@ slow: $(VENV)/interop-ready $(VENV)/docs-ready $(VENV)/explore-ready peers
 
 # The site, in docs/_build/html: pages, reference and the tutorials, which are run where they have changed.
 docs: $(VENV)/docs-ready
+	$(BIN)/python docs/environment_page.py
 	$(BIN)/python -m sphinx --builder html --nitpicky --fail-on-warning --quiet docs docs/_build/html
 
 # Hypothesis searches at random here, and prints a blob with what it finds: @reproduce_failure takes it.

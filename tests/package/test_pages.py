@@ -1,8 +1,7 @@
-"""The pages: their links, where the site has them, what of them is made of the code, and versions."""
+"""The pages: their links, where the site has them, and versions."""
 
 import os
 import re
-import runpy
 import tomllib
 from pathlib import Path
 
@@ -78,12 +77,6 @@ def test_every_public_package_stands_in_the_reference():
         re.MULTILINE,
     )
     assert sorted(marks) == sorted(public_packages()), "a package's names have a mark in docs/reference"
-
-
-def test_the_environment_s_page_has_its_docstring():
-    refreshed = runpy.run_path(str(DOCS / "environment_page.py"))["refreshed"]
-    page = (DOCS / "environment.md").read_text(encoding="utf-8")
-    assert refreshed(page) == page, "run `python docs/environment_page.py`"
 
 
 def test_the_version_is_one():

@@ -1,6 +1,7 @@
 """The site, built as `make docs` builds it: no warning, every public name, nothing that needs a network."""
 
 import re
+import runpy
 import subprocess
 import sys
 from importlib import import_module
@@ -51,6 +52,12 @@ def test_formulas_are_drawn(site):
     page = (site / "environment.html").read_text(encoding="utf-8")
     assert page.count("<math ") > 5
     assert "<munderover>" not in page  # the index of an accented letter is beside it
+
+
+def test_the_environment_s_page_has_its_docstring():
+    refreshed = runpy.run_path(str(ROOT / "docs" / "environment_page.py"))["refreshed"]
+    page = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
+    assert refreshed(page) == page, "`make docs` renews it"
 
 
 def test_the_citation_is_valid():
