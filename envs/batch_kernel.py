@@ -190,8 +190,6 @@ def _open(
     dither, target = episode.dither, episode.target
     for i in range(begin, end):
         results.statuses[i] = FINISHED
-        if readouts is not None:
-            batch.scores[i] = 0.0
         if idle[i]:
             continue
         valve = commands[i]

@@ -42,9 +42,9 @@ class Stamps:
 
     @classmethod
     def taken(cls, root: Path, tests: Sequence[str]) -> "Stamps":
-        """Of test files, each with what all tests stand on."""
-        shared = support(root)
-        return cls({test: digest(root, [test, *shared]) for test in tests}, digest(root, [*tests, *shared]))
+        """Of test files, each with what it stands on."""
+        each = {test: digest(root, [test, *support(root, [test])]) for test in tests}
+        return cls(each, digest(root, [*tests, *support(root, tests)]))
 
     def of(self, result: Result) -> str:
         """The digest of the file that noticed the fault, or of all where none did."""

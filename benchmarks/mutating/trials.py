@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import queue
+import re
 import shutil
 import signal
 import subprocess
@@ -114,8 +115,8 @@ class Laboratory:
         RuntimeError
             If a test fails.
         """
-        shared = digest(self.tree, support(self.tree))
-        parts = {test: self.kept / "baselines" / f"{digest(self.tree, [test], shared)}.json" for test in tests}
+        stands = {test: digest(self.tree, [test, *support(self.tree, [test])]) for test in tests}
+        parts = {test: self.kept / "baselines" / f"{stamp}.json" for test, stamp in stands.items()}
         missing = [test for test, part in parts.items() if not part.exists()]
         sources = {file: digest(self.tree, [file]) for file in modules}
         self._prepare(tests)
@@ -299,10 +300,19 @@ class Nursery:
         self._process.stdin.flush()
 
 
-def support(root: Path) -> list[str]:
-    """What all tests stand on, relative to the checkout."""
-    judges = (path for path in (root / "tests" / "judges").glob("*") if path.is_file())
-    return ["tests/conftest.py", *(path.relative_to(root).as_posix() for path in judges)]
+def support(root: Path, tests: Iterable[str]) -> list[str]:
+    """What tests stand on, relative to the checkout: what sets up all, and the judges that they and these name."""
+    judges = [path for path in (root / "tests" / "judges").glob("*") if path.is_file()]
+    found = {"tests/conftest.py"}
+    unread = [root / file for file in (*found, *tests)]
+    while unread:
+        words = set(re.findall(r"\w+", unread.pop().read_text(encoding="utf-8")))
+        for path in judges:
+            file = path.relative_to(root).as_posix()
+            if path.stem in words and file not in found:
+                found.add(file)
+                unread.append(path)
+    return sorted(found)
 
 
 def part_of(report: Mapping[str, Any], test: str) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from mutating.page import page, wilson
 from mutating.records import Equivalents
 from mutating.sampling import changed_lines, drawn
 from mutating.source import same_code
-from mutating.trials import joined, Nursery, part_of
+from mutating.trials import joined, Nursery, part_of, support
 from scipy.stats import binomtest
 
 ROOT = Path(__file__).parents[2]
@@ -211,6 +211,18 @@ def test_what_is_known_of_the_tests_is_put_together_file_by_file():
     assert joined(parts) == report
     other = {"seconds": {}, "each": {}, "reached": {"import": {"c.py": [2, 7]}}}
     assert joined([*parts, other])["reached"]["import"] == {"c.py": [1, 2, 7]}
+
+
+def test_a_test_stands_on_the_judges_that_it_names_and_on_theirs(tmp_path):
+    texts = {"conftest.py": "", "test_a.py": "from judge import x\n", "test_b.py": "judgement = 1\n"}
+    judges = {"judge.py": "TABLE = 'table.json'\n", "table.json": "{}", "other.py": ""}
+    for folder, files in (("tests", texts), ("tests/judges", judges)):
+        (tmp_path / folder).mkdir()
+        for file, text in files.items():
+            (tmp_path / folder / file).write_text(text, encoding="utf-8")
+    own = ["tests/conftest.py", "tests/judges/judge.py", "tests/judges/table.json"]
+    assert support(tmp_path, ["tests/test_b.py"]) == own[:1]
+    assert support(tmp_path, ["tests/test_a.py"]) == support(tmp_path, ["tests/test_b.py", "tests/test_a.py"]) == own
 
 
 def test_a_process_that_does_not_hear_that_it_should_end_ends_with_its_words(monkeypatch):

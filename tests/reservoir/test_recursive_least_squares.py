@@ -24,6 +24,17 @@ def test_after_any_prefix_it_is_the_batch_ridge_solution(features, outputs, ridg
         np.testing.assert_allclose(readout.weights, np.atleast_2d(batch.coef_), rtol=0, atol=1e-9)
 
 
+def test_a_first_row_with_a_zero_in_it_is_learned_and_one_of_zeros_is_not():
+    x, y = np.array([[0.0, 0.0], [0.0, 2.0], [3.0, 1.0]]), np.array([[5.0], [7.0], [-1.0]])
+    readout = RecursiveLeastSquares(2, 1, ridge=0.5)
+    readout.learn(x[0], y[0])
+    np.testing.assert_array_equal(readout.weights, 0)
+    for k in (1, 2):
+        readout.learn(x[k], y[k])
+        gram = x[: k + 1].T @ x[: k + 1] + 0.5 * 2.0 * np.eye(2)  # the mean square of the first row is 2
+        np.testing.assert_allclose(readout.weights[0], np.linalg.solve(gram, x[: k + 1].T @ y[: k + 1, 0]), rtol=1e-12)
+
+
 def test_forgetting_weighs_samples_geometrically_and_keeps_the_penalty():
     x, y = stream(50, 3, 2)
     readout = RecursiveLeastSquares(3, 2, ridge=0.5, forgetting=0.9, scale=2.0)

@@ -190,6 +190,13 @@ def test_energies_that_do_not_add_up_are_told_row_by_row(monkeypatch):
         simulate(groups, [1, 0, 1], 1.0)
     assert [str(one.message) for one in caught] == expected
     assert {one.filename for one in caught} == {__file__}
+    # Of a batch that fails, those before the row that does: what rows alone, one after the other, would have told.
+    spent = Groups(damping_ratio=100.0)
+    groups = [*groups[:2], spent, groups[2], spent]
+    with warnings.catch_warnings(record=True) as caught, pytest.raises(SolverError, match="^crawler 2: "):
+        warnings.simplefilter("always", EnergyWarning)
+        simulate(groups, [0, 1, 1], 2.0, solver="taylor", max_steps=60)
+    assert [str(one.message).partition(":")[0] for one in caught] == ["crawler 0", "crawler 1"]
 
 
 def test_packed_coefficients_and_choices_are_those_of_each():
