@@ -31,6 +31,7 @@ def born(asked: dict[str, Any]) -> int:
     if process:
         return process
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell has what it starts behind ignore it
     os.setsid()
     os.chdir(asked["tree"])
     words = os.open(asked["words"], os.O_WRONLY | os.O_CREAT | os.O_TRUNC)

@@ -103,13 +103,13 @@ def alive(process):
 
 class Future:
     def __init__(self, run):
-        self.run, self.released = run, False
+        self.run, self.released, self.lost = run, False, False
 
     def release(self):
         self.released = True
 
     def cancelled(self):
-        return False
+        return self.lost
 
 
 class Client:
@@ -157,6 +157,19 @@ def test_dask_is_given_jobs_in_order_and_a_client_of_our_own_is_closed(monkeypat
         futures = [future for _, future in each.waiting.values()]
         assert [future.released for future in futures] == [k < released for k in range(3)]
         assert each.cancelled == futures
+
+
+def test_a_job_that_a_cluster_has_given_up_ends_them_all(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(as_completed=as_completed))
+    client = Client()
+    results = as_done(lambda job: job, [5, "gone", 3], dask=client)
+    assert next(results) == (0, 5)
+    futures = [future for _, future in client.waiting.values()]
+    futures[1].lost = True
+    with pytest.raises(ConnectionError, match=r"^the cluster went away: gone$"):
+        next(results)
+    assert [future.released for future in futures] == [True, False, False]
+    assert client.cancelled == futures
 
 
 @pytest.mark.slow  # on a machine that is far too busy its scheduler gives up starting

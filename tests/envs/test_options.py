@@ -9,6 +9,7 @@ import pytest
 from stickslip import Actuator, Groups
 from stickslip.crawler import PRESETS
 from stickslip.envs import StickSlipCrawlerEnv, StickSlipCrawlerVectorEnv
+from stickslip.envs.settings import Settings
 
 NAME = "StickSlipCrawler-v0"
 RANGES = {"duffing": [0.5, 1.0], "slope": [-0.1, 0.1]}
@@ -19,6 +20,14 @@ def told(env, options, seed=None):
     assert info["groups"] == env.step(1)[4]["groups"] == env.unwrapped.episode_groups.to_dict()
     assert info["slope"] == env.unwrapped.episode_scene.slope
     return info["groups"], info["slope"]
+
+
+def test_settings_are_those_of_an_environment_that_is_told_nothing():
+    assert Settings.of() == StickSlipCrawlerEnv().settings
+    assert (
+        Settings.of(memory_weight=0.0, dither=0.0, hold=2.0)
+        == gym.make(NAME, memory_weight=0.0, dither=0.0, hold=2.0).unwrapped.settings
+    )
 
 
 def test_options_settle_one_episode():

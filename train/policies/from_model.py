@@ -6,6 +6,7 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
+from gymnasium.spaces import flatdim
 
 from ... import __version__
 from ...common.extras import optional_import
@@ -61,7 +62,7 @@ def policy_of(
     environment = StickSlipCrawlerEnv(**configuration.env_kwargs)
     layers, activation, outputs = _network(model)
     sizes = [layers[0].weight.shape[1], *(len(layer.bias) for layer in layers)]
-    (seen,) = environment.observation_space.shape or (0,)
+    seen = flatdim(environment.observation_space)
     if sizes[0] != seen:
         raise ValueError(f"model must take the {seen} numbers that the environment shows, it takes {sizes[0]}")
     description = {

@@ -193,9 +193,10 @@ def test_energies_that_do_not_add_up_are_told_row_by_row(monkeypatch):
     # Of a batch that fails, those before the row that does: what rows alone, one after the other, would have told.
     spent = Groups(damping_ratio=100.0)
     groups = [*groups[:2], spent, groups[2], spent]
-    with warnings.catch_warnings(record=True) as caught, pytest.raises(SolverError, match="^crawler 2: "):
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", EnergyWarning)
-        simulate(groups, [0, 1, 1], 2.0, solver="taylor", max_steps=60)
+        with pytest.raises(SolverError, match=r"^crawler 2: "):
+            simulate(groups, [0, 1, 1], 2.0, solver="taylor", max_steps=60)
     assert [str(one.message).partition(":")[0] for one in caught] == ["crawler 0", "crawler 1"]
 
 
