@@ -1,18 +1,24 @@
 """Which tests come first: those that reach the changed line, then those that name the module, the quick ones first."""
 
 import ast
+import re
 from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from .operators import Mutant
+from .watch import AT_IMPORT
 
-__all__ = ["INSTALLING", "TEXTUAL", "ordered", "reached", "tests_of"]
+__all__ = ["INSTALLING", "TEXTUAL", "able", "ordered", "reached", "tests_of"]
 
 
 TEXTUAL = {"tests/crawler/test_loops.py"}
 """Tests that compare the text of sources with a table: they notice every change, right or wrong, and prove nothing."""
+PROCESSES = re.compile(
+    r"\b(subprocess|multiprocessing|Popen|fork|processes|workers?|helpers|joblib|dask|distributed)\b"
+)
+"""What is said where a test has other processes work for it."""
 INSTALLING = {"tests/package/test_typing.py"}
 """Tests of how the package is installed: a copy with a fault is found by its path, before what is installed."""
 
@@ -31,6 +37,17 @@ def reached(baseline: Mapping[str, Any], file: str, mutant: Mutant) -> bool | No
     if mutant.compiled or file in baseline["stale"]:
         return None
     return any(mutant.line in lines.get(_module_file(file), ()) for lines in baseline["reached"].values())
+
+
+def able(tree: Path, baseline: Mapping[str, Any], file: str, mutant: Mutant, tests: Iterable[str]) -> list[str]:
+    """The test files that can notice a fault: those that run its line, or start processes, which nobody watches.
+
+    Where nobody knows who runs the line, in compiled functions and while modules are imported, that is all of them.
+    """
+    runs = {test for test, lines in baseline["reached"].items() if mutant.line in lines.get(_module_file(file), ())}
+    if reached(baseline, file, mutant) is None or AT_IMPORT in runs:
+        return list(tests)
+    return [test for test in tests if test in runs or _starts_processes(tree / test)]
 
 
 def ordered(
@@ -70,6 +87,11 @@ def ordered(
 def _module_file(file: str) -> str:
     """As the package sees it: ``package/`` is the package itself."""
     return file.removeprefix("package/")
+
+
+@cache
+def _starts_processes(test: Path) -> bool:
+    return bool(PROCESSES.search(test.read_text(encoding="utf-8")))
 
 
 @cache

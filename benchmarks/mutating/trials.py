@@ -21,7 +21,7 @@ import pytest
 
 from .checkout import copied, kept_kernels, twin
 from .operators import Mutant
-from .relevance import ordered, reached
+from .relevance import able, ordered, reached
 from .watch import AT_IMPORT
 
 __all__ = ["Laboratory", "Outcome", "digest"]
@@ -170,9 +170,9 @@ class Laboratory:
     def tried(
         self, file: str, mutant: Mutant, tests: Sequence[str], baseline: Path, helped: Collection[str] = ()
     ) -> tuple[Outcome, bool | None]:
-        """Run the tests with a fault: what came of it, and whether a test runs the line (None: nobody knows)."""
+        """Run what tests can notice a fault: what came of it, and whether one runs the line (None: nobody knows)."""
         usual = json.loads(baseline.read_text(encoding="utf-8"))
-        order = ordered(self.tree, usual, file, mutant, tests, helped)
+        order = ordered(self.tree, usual, file, mutant, able(self.tree, usual, file, mutant, tests), helped)
         begin = time.monotonic()
         with tempfile.TemporaryDirectory(prefix="trial-", dir=self._folder, ignore_cleanup_errors=True) as folder:
             tree = Path(folder) / "checkout"
@@ -183,6 +183,7 @@ class Laboratory:
             report = Path(folder) / "report.json"
             more = _patience(file, text) if self.patience is None else self.patience
             wall = LONGEST + 10.0 * sum(usual["seconds"].values())
+            code, failed = 0, []
             # To collect the tests takes longer than most of them: those that are likely to notice go ahead.
             for part in filter(None, (order[:AHEAD], order[AHEAD:])):
                 report.unlink(missing_ok=True)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import mutation
@@ -288,6 +289,21 @@ def test_what_reaches_the_line_or_noticed_another_fault_comes_first(toy):
     assert [Path(test).stem for test in order] == [
         f"test_{name}" for name in ["reaches", "helped", "names", "quick", "other"]
     ]
+
+
+def test_only_files_that_run_the_line_can_notice_unless_nobody_knows_who_does(toy):
+    texts = {"runs": "", "starts": "from subprocess import run\n", "neither": "# processed, not by processors\n"}
+    for name, text in texts.items():
+        (toy / "tests" / "common" / f"test_{name}.py").write_text(text, encoding="utf-8")
+    mutant = next(each for each in mutants(TOY["common/scale.py"].encode()) if each.line == 2)
+    tests = [f"tests/common/test_{name}.py" for name in texts]
+    some = {"reached": {tests[0]: {"common/scale.py": [2]}, "import": {"common/scale.py": [1, 5]}}, "stale": []}
+    assert relevance.able(toy, some, "common/scale.py", mutant, tests) == tests[:2]
+    everywhere = some | {"reached": {"import": {"common/scale.py": [1, 2]}}}
+    for unknown in (everywhere, some | {"stale": ["common/scale.py"]}):
+        assert relevance.able(toy, unknown, "common/scale.py", mutant, tests) == tests
+    compiled = replace(mutant, compiled=True)
+    assert relevance.able(toy, some, "common/scale.py", compiled, tests) == tests
 
 
 def test_the_page_says_what_was_noticed_and_what_was_not():
