@@ -266,6 +266,7 @@ def test_other_processes_find_the_same(tmp_path):
     xr.testing.assert_identical(parameter_map(X, Y, processes=2, **asked), parameter_map(X, Y, **asked))
 
 
+@pytest.mark.slow  # Dask tries for seconds, and fails otherwise in a process that was forked
 def test_a_cluster_that_is_not_there_is_told_in_one_sentence(tmp_path):
     pytest.importorskip("distributed")
     import dask
