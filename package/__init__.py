@@ -44,6 +44,9 @@ _HOME = {
     "pretrained": "stickslip.train.policies.pretrained",
 }
 
+_REQUIRED = ("gymnasium", "numba", "scipy", "sklearn", "joblib")
+"""What an installation without dependencies lacks, which is enough to run a policy."""
+
 __all__ = [
     "Actuator",
     "CrawlerReservoir",
@@ -94,7 +97,16 @@ if not TYPE_CHECKING:
     def __getattr__(name: str) -> Any:
         if name not in _HOME:
             raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
-        return getattr(import_module(_HOME[name]), name)
+        try:
+            return getattr(import_module(_HOME[name]), name)
+        except ModuleNotFoundError as missing:
+            if missing.name not in _REQUIRED:
+                raise
+            raise ModuleNotFoundError(
+                f"stickslip.{name} needs {missing.name}, which is not installed: run `pip install stickslip` without "
+                "--no-deps",
+                name=missing.name,
+            ) from missing
 
 
 def __dir__() -> list[str]:

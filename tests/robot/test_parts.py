@@ -38,6 +38,10 @@ runner = Runner(
     dither=0.0,
 )
 print(runner.run(5).holds, turns)
+try:
+    stickslip.simulate
+except ImportError as error:
+    print(error, file=sys.stderr)
 """
 
 
@@ -46,6 +50,8 @@ def test_a_policy_acts_with_numpy_and_safetensors_alone():
     assert done.stdout.split()[0] == "5"
     assert done.stdout.strip().endswith("0]")
     assert "1" in done.stdout.partition("[")[2]
+    needed = "stickslip.simulate needs numba, which is not installed: run `pip install stickslip` without --no-deps"
+    assert done.stderr.strip() == needed
 
 
 def test_the_observation_is_the_environments():
