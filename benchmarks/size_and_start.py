@@ -32,7 +32,7 @@ PAGE = ROOT / "docs" / "hardware.md"
 BARE, ROBOT = "all that it requires", "NumPy and safetensors"
 COMMANDS = {
     BARE: [["{stickslip}"]],
-    ROBOT: [["--no-deps", "{stickslip}"], ["numpy", "safetensors"]],
+    ROBOT: [["numpy", "safetensors"], ["--no-deps", "{stickslip}"]],  # in this order pip does not complain
 }
 """What pip installs, call by call."""
 

@@ -43,7 +43,7 @@ class Observer:
         self._stretching = Slope(window, min(_BENT, window - 1))
         self._going = Slope(window, _STRAIGHT)
         self._pressure, self._when = 0.0, 0.0  # as share of the peak, where it is not measured
-        self._state = np.zeros(len(STATE))
+        self._last = Readings(0.0, 0.0, 0.0, None, 0.0)
 
     def turned(self, valve: int, holds: int = 1) -> None:
         """Learn that the valve was put into a state, which it keeps for so many holds."""
@@ -51,20 +51,21 @@ class Observer:
 
     def see(self, time: float, readings: Readings, valve: int) -> None:
         """Take a reading at a time, until which the valve was in a state."""
-        unit = self._length / self._time
         self._stretching.add(time, readings.deformation)
         if readings.foot is not None:
             self._going.add(time, readings.foot)
-        velocity = self._stretching.now if readings.velocity is None else readings.velocity
-        foot_velocity = readings.foot_velocity
-        if foot_velocity is None:
-            foot_velocity = max(self._going.now, 0.0) if self._ratchet else self._going.now
         self._pressure = valve + (self._pressure - valve) * math.exp(-(time - self._when) / self._lag)
-        self._when = time
-        pressure = self._pressure if readings.pressure is None else readings.pressure / self._peak
-        self._state[:] = readings.deformation / self._length, velocity / unit, pressure, foot_velocity / unit
+        self._when, self._last = time, readings
 
     @property
     def observation(self) -> NDArray[np.float32]:
         """After the last reading, as the environment's: dimensionless, in single precision."""
-        return np.array([*self._state, *self._valves], np.float32)
+        deformation, velocity, pressure, _, foot_velocity = self._last
+        if velocity is None:
+            velocity = self._stretching.now
+        if foot_velocity is None:
+            foot_velocity = max(self._going.now, 0.0) if self._ratchet else self._going.now
+        unit = self._length / self._time
+        share = self._pressure if pressure is None else pressure / self._peak
+        state = deformation / self._length, velocity / unit, share, foot_velocity / unit
+        return np.array([*state, *self._valves], np.float32)

@@ -59,6 +59,7 @@ TABLES = {
         "scenes": script.scene_table(results["scenes"]),
         "agreements": script.agreement_table(results["disagreements"]),
     },
+    "size_and_start": lambda script, results: script.tables(results),
     "solver_choice": lambda script, results: {"choice": script.choice_table(results)},
     "vector_speed": lambda script, results: script.tables(results),
 }
