@@ -32,7 +32,7 @@ nitpicky = True
 # Tutorials are Python with cells marked by `# %%`; they are run whenever they have changed.
 nb_custom_formats = {".py": ["jupytext.reads", {"fmt": "py:percent"}]}
 nb_execution_mode = "cache"
-nb_execution_timeout = 300
+nb_execution_timeout = 1200
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True

@@ -35,6 +35,7 @@ def setup(app: Sphinx) -> ExtensionMetadata:
     app.connect("autodoc-process-docstring", _as_rest, priority=1)
     app.connect("autodoc-skip-member", _skip)
     app.connect("missing-reference", _resolve)
+    app.connect("doctree-resolved", _number_sources)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
@@ -146,15 +147,25 @@ def _told_of_fields(thing: Any, name: str) -> Iterator[set[str]]:
 def _resolve(
     app: Sphinx, environment: BuildEnvironment, node: pending_xref, content: nodes.TextElement
 ) -> nodes.Node | None:
-    """What backticks name: the one object whose path ends with it, or plain code."""
+    """What backticks name: the object whose path ends with it, where it is public first, or plain code."""
     if node.get("refdomain") != "py" or node.get("reftype") not in ("obj", "data", "class", "func", "meth"):
         return None
     objects = environment.domains.python_domain.objects
-    found = [path for path in objects if path.endswith("." + node["reftarget"]) and not objects[path].aliased]
-    if len(found) == 1 and app.builder.format == "html":
-        at = objects[found[0]]
-        return make_refnode(app.builder, node["refdoc"], at.docname, at.node_id, content, found[0])
+    kinds = ("method", "property", "attribute") if "." in node["reftarget"] else ("class", "function", "data")
+    ends = "." + node["reftarget"]
+    found = [path for path in objects if path.endswith(ends) and objects[path].objtype in kinds]
+    if found and app.builder.format == "html":
+        path = min(found, key=len)
+        return make_refnode(app.builder, node["refdoc"], objects[path].docname, objects[path].node_id, content, path)
     return content if node["reftype"] == "obj" or _is_internal(node["reftarget"]) else None
+
+
+def _number_sources(_app: Sphinx, doctree: nodes.document, _document: str) -> None:
+    """Sources have the numbers that docstrings give them, and not the names that tell those of a page apart."""
+    for text in list(doctree.findall(nodes.Text)):
+        number = re.fullmatch(r"(\[?)R[0-9a-f]{12}-(\d+)(\]?)", text)
+        if number:
+            text.parent.replace(text, nodes.Text("".join(number.groups())))
 
 
 def _is_internal(path: str) -> bool:

@@ -11,6 +11,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 OTHERWISE = {
     "recipes.md",  # each in an environment of its own: tests/interop
     "extending.md",  # edits of the code
+    "hardware.md",  # with what it prints: tests/robot
 }
 # What a reader has when a page begins.
 GIVEN = {

@@ -79,6 +79,12 @@ def test_every_public_package_stands_in_the_reference():
     assert sorted(marks) == sorted(public_packages()), "a package's names have a mark in docs/reference"
 
 
+def test_every_extra_of_users_is_told():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    told = re.findall(r"^\| `(\w+)` \|", (DOCS / "installation.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(told) == sorted(extras.keys() - {"dev", "peers"})
+
+
 def test_the_version_is_one():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
