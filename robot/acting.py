@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["acting", "trained_in"]
+__all__ = ["acting", "other_groups", "trained_in"]
+
+_NEARLY = 0.05  # relative: by so much a body is not known anyway
 
 
 def acting(policy: Any) -> Callable[[NDArray[np.float32]], int]:
@@ -46,3 +48,18 @@ def trained_in(policy: Any) -> Mapping[str, Any]:
     """Arguments of the environment that a policy was trained in; none if it does not say."""
     told = getattr(policy, "env_kwargs", None)
     return told if isinstance(told, Mapping) else {}
+
+
+def other_groups(policy: Any, groups: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+    """Groups of the body that a policy was trained on, and those of this one, where they differ by more than 5%.
+
+    Parameters
+    ----------
+    policy : Policy
+        What was drawn in its training is left out.
+    groups : mapping
+        Of this body, by name.
+    """
+    drawn = trained_in(policy).get("randomize") or {}
+    pairs = {name: (value, groups[name]) for name, value in policy.description["groups"].items() if name not in drawn}
+    return {name: pair for name, pair in pairs.items() if abs(pair[1] - pair[0]) > _NEARLY * abs(pair[0])}

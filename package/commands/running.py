@@ -51,6 +51,7 @@ def run_policy(
     """Run a policy on a real valve at a fixed rate, or try it on the simulator first."""
     from ..crawler.model.holds import said_of_hold
     from ..robot import RealClock, Runner, SimulatedPlant, VirtualClock
+    from ..robot.acting import other_groups
 
     if dry_run == (plant is not None):
         got = "both" if dry_run else "neither"
@@ -81,6 +82,8 @@ def run_policy(
         clock=clock,
     )
     say(f"{acting!r}, {holds} holds of {said_of_hold(runner.hold / body.scales.time, body)}")
+    for name, (trained, here) in other_groups(acting, body.groups.to_dict()).items():
+        say(f"another body than that of the training: {name} {here:.4g} instead of {trained:.4g}")
     try:
         runner.run(holds, log=log)
     finally:

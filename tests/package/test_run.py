@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -50,6 +51,14 @@ def test_a_dry_run_is_logged_as_identification_reads_it(tmp_path, capsys):
     np.testing.assert_allclose(read.run.foot[7::8], np.array(feet) * body.scales.length, rtol=1e-8, atol=1e-12)
     told = json.loads(report.read_text(encoding="utf-8"))
     assert (told["holds"], told["missed"], told["hold"]) == (40, 0, 0.03125)
+
+
+def test_another_body_than_that_of_the_training_is_told(capsys):
+    body = json.dumps(asdict(replace(stickslip.Actuator.ecoflex(), lag=0.04, damping=0.41)))
+    assert run(["run", "speed", "--dry-run", "--pace", "inf", "--holds", "2", "--actuator", body]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert printed.count("another body than that of the training") == 1
+    assert "training: deborah 0.64 instead of 0.5 2 holds" in printed
 
 
 def test_a_file_is_the_plant(tmp_path, capsys):

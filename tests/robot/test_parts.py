@@ -7,12 +7,15 @@ import sys
 import numpy as np
 import pytest
 
+import stickslip
 from stickslip.crawler import Actuator
 from stickslip.envs.observation import OBSERVATION
 from stickslip.robot import RealClock, SensorError, SENSORS, SimulatedPlant, VirtualClock
+from stickslip.robot.acting import other_groups
 from stickslip.robot.observer import Observer, STATE
 from stickslip.robot.sensors import Readings, readings_of, Sensors, unit_of
 from stickslip.robot.slope import Slope
+from stickslip.train.policies import Policy
 
 ECOFLEX = Actuator.ecoflex()
 
@@ -162,6 +165,17 @@ def test_limits_are_in_the_unit_of_their_name():
         sensors.measured(told | {"pressure_bar": 0.31})
     with pytest.raises(SensorError, match="limits must be of sensors that are read"):
         Sensors({"pressure_kPa": (0, 30)}).measured({"deformation_mm": 1, "foot_mm": 1})
+
+
+def test_groups_that_were_drawn_in_the_training_may_differ():
+    policy = stickslip.pretrained("knee")
+    groups = ECOFLEX.groups.to_dict()
+    assert other_groups(policy, groups) == {}
+    assert other_groups(policy, groups | {"duffing": 0.52, "deborah": 0.6}) == {"deborah": (0.5, 0.6)}
+    description = policy.description
+    description["env_kwargs"]["randomize"] = {"deborah": [0.3, 0.7]}
+    drawn = Policy(policy.layers, description)
+    assert other_groups(drawn, groups | {"duffing": 0.0, "deborah": 0.6}) == {"duffing": (0.5, 0.0)}
 
 
 def test_clocks_never_wake_early():
