@@ -112,14 +112,11 @@ class Measure:
     variables : mapping of str to Variable
     of_message : bool
         Whether it needs flips to be told of.
-    of_chains : bool
-        Whether a chain of heavy segments has it.
     """
 
     compute: Callable[[Driven], Mapping[str, Array]]
     variables: Mapping[str, Variable] = field(hash=False)
     of_message: bool = False
-    of_chains: bool = True
 
 
 def _memory(driven: Driven) -> dict[str, Array]:
@@ -223,7 +220,6 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
                 "lyapunov_2": Variable("1 / t_c", "second Lyapunov exponent", least=None),
                 "lyapunov_standard_error": Variable("1 / t_c", "standard error of the largest exponent in a run"),
             },
-            of_chains=False,
         ),
         "start": Measure(
             _start, {"start_difference": Variable("1", "difference of two starts at the end, over the spread")}

@@ -9,7 +9,6 @@ import numpy as np
 
 from ...common.fingerprint import described, rounded
 from ...common.validation import known_names, whole_number
-from ...crawler.model.tube import is_chain
 from ...reservoir.ridge import samples_needed
 from ...tasks import BodyReservoir
 from .axes import Axis
@@ -77,9 +76,6 @@ class Plan:
             whole_number("seeds", seed, 0)
         if not self.seeds or len(set(self.seeds)) < len(self.seeds):
             raise ValueError(f"seeds must hold one at least and none twice, got {list(self.seeds)}")
-        alone = [name for name in self.measures if not MEASURES[name].of_chains]
-        if alone and is_chain(self.body.scene):
-            raise ValueError(f"measures must be without {alone[0]} for a chain of heavy segments, got {self.measures}")
         reading = [name for name in self.measures if MEASURES[name].of_message]
         if reading:
             self._refuse_what_has_no_message(reading[0])

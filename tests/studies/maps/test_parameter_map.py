@@ -65,8 +65,18 @@ def test_exponents_are_those_of_each_crawler_alone():
     cell = found.sel(duffing=2.0, seed=5)
     assert [float(cell.lyapunov), float(cell.lyapunov_2)] == alone.exponents.tolist()
     assert float(cell.lyapunov_standard_error) == alone.standard_error[0]
-    with pytest.raises(ValueError, match="measures must be without lyapunov for a chain of heavy segments"):
-        parameter_map(X, measures="lyapunov", scene={"segments": 2, "tube_mass": 0.3})
+
+
+def test_exponents_of_a_chain_are_the_first_two_of_all_its_stretches_and_rates():
+    chain = {"segments": 2, "tube_mass": 0.3, "anchored": True}
+    found = parameter_map(
+        "damping_ratio=0.05,0.2", measures=["lyapunov", "start"], scene=chain, tolerance=1e-9, **SHORT
+    )
+    valve = dithered(np.zeros(160, int), 0.5, 0)
+    alone = lyapunov_spectrum({"damping_ratio": 0.2}, valve, 0.5, scene=chain, washout=40)
+    cell = found.sel(damping_ratio=0.2, seed=0)
+    assert [float(cell.lyapunov), float(cell.lyapunov_2)] == alone.exponents.tolist()
+    assert float(cell.start_difference) < 1e-3 < float(found.start_difference.sel(damping_ratio=0.05, seed=0))
 
 
 def test_two_starts_come_together_as_fast_as_a_linear_body_forgets():
