@@ -71,6 +71,7 @@ def told(found: Identification, groups: Groups) -> dict[str, Any]:
     """Relative errors, and whether the 95% intervals hold the truth."""
     intervals = found.interval(0.95)
     return {
+        "warned": any("static_friction" in warning for warning in found.warnings),
         "errors": {name: getattr(found.groups, name) / getattr(groups, name) - 1.0 for name in found.names},
         "covered": {name: low <= getattr(groups, name) <= high for name, (low, high) in intervals.items()},
     }

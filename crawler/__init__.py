@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import Any, TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .derivatives import Sensitivities, sensitivities
     from .model.actuator import Actuator, Scales
     from .model.groups import Groups, GroupsLike, PRESETS
     from .model.scene import Scene
@@ -29,11 +30,13 @@ _HOME = {
     "LyapunovSpectrum": ".spectrum",
     "Scales": ".model.actuator",
     "Scene": ".model.scene",
+    "Sensitivities": ".derivatives",
     "SlipWarning": ".refusals",
     "SolverError": ".refusals",
     "State": ".model.state",
     "Trajectory": ".trajectory",
     "lyapunov_spectrum": ".spectrum",
+    "sensitivities": ".derivatives",
     "simulate": ".simulation",
 }
 
@@ -49,11 +52,13 @@ __all__ = [
     "LyapunovSpectrum",
     "Scales",
     "Scene",
+    "Sensitivities",
     "SlipWarning",
     "SolverError",
     "State",
     "Trajectory",
     "lyapunov_spectrum",
+    "sensitivities",
     "simulate",
 ]
 

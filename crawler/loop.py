@@ -18,6 +18,7 @@ from .motion.chain_parts import CHAIN
 from .motion.events import jump
 from .motion.parts import Parts, RADAU, SERIES
 from .motion.sampling import end_of_step, is_near, moment_of, sampled_by
+from .motion.sensitive_parts import SENSITIVE
 from .steps.options import (
     AFRESH,
     ClosedForm,
@@ -37,6 +38,7 @@ from .steps.options import (
     Situation,
     TAYLOR,
     TaylorChain,
+    TaylorSensitive,
 )
 from .steps.radau import refine_event_step
 
@@ -46,6 +48,7 @@ _PARTS: dict[type[Method], Parts] = {
     **dict.fromkeys(TAYLOR.values(), SERIES),
     Radau: RADAU,
     TaylorChain: CHAIN,
+    TaylorSensitive: SENSITIVE,
     ClosedForm: LINEAR,
 }
 

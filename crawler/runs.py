@@ -18,12 +18,13 @@ from .motion.sampling import BODY_ROWS
 from .solvers import Solver
 from .stability.chain_growth import start_chain_growth
 from .stability.lyapunov import GROWTH_ROWS, start_growth
+from .stability.sensitivity import PARAMETERS, QUANTITIES, sensitive_workspace, SensitiveWorkspace
 from .stability.tangent import condition_of, start_changes
 from .steps.chain_series import chain_coefficients, chain_order, chain_workspace, ChainWorkspace
-from .steps.options import AFRESH, FINISHED, LOG_FULL, Options, Outcome, TaylorChain
+from .steps.options import AFRESH, FINISHED, LOG_FULL, Options, Outcome, TaylorChain, TaylorSensitive
 from .steps.workspace import CHANGES
 
-__all__ = ["run_chain", "run_chain_growth", "run_crawler", "run_growth"]
+__all__ = ["run_chain", "run_chain_growth", "run_crawler", "run_growth", "run_sensitive"]
 
 
 def run_crawler(
@@ -119,6 +120,51 @@ def run_growth(
         start, coefficients, schedule, washout, hold / unit, options, BODY_ROWS, workspace, begin
     )
     return outcome._replace(elapsed=outcome.elapsed * unit), finished, growth
+
+
+def run_sensitive(
+    body: Body,
+    coefficients: Coefficients,
+    unit: float,
+    schedule: NDArray[np.float64],
+    hold: float,
+    options: Options,
+    samples_per_hold: int,
+) -> tuple[Outcome, int, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Advance any tube that is one body through its schedule, and its sensitivities along, in its own unit of time.
+
+    Parameters
+    ----------
+    body, coefficients, unit, schedule, hold
+        As for `run_crawler`.
+    options : Options
+        Those of Taylor series.
+    samples_per_hold : int
+
+    Returns
+    -------
+    outcome : Outcome
+    finished : int
+        Holds completed.
+    samples : (5 + 5 * parameters, holds * samples_per_hold) array
+        Of z, v, p, x and w, and of their derivatives by the parameters, in the body's own unit of time.
+    events : (events, 2) array
+        Times and new motions, likewise.
+    shifts : (events, parameters) array
+        Derivatives of the times.
+    """
+    start = body._replace(velocity=body.velocity * unit, foot_velocity=body.foot_velocity * unit)
+    options = options._replace(tangents=True, log=True, method=TaylorSensitive())
+    samples = np.empty((BODY_ROWS + QUANTITIES * len(PARAMETERS), len(schedule) * samples_per_hold))
+    capacity = 0
+
+    def begin() -> SensitiveWorkspace:
+        nonlocal capacity
+        capacity = max(2 * capacity, 64 + 4 * len(schedule))
+        return sensitive_workspace(options.order, capacity)
+
+    outcome, finished, events, workspace = _run(start, coefficients, schedule, hold / unit, options, samples, begin)
+    return outcome, finished, samples, events, workspace.shifts[: len(events)]
 
 
 def run_chain_growth(

@@ -8,7 +8,7 @@ import gymnasium as gym
 import numpy as np
 
 from .compiling.compilation import Kernel
-from .crawler import Groups, lyapunov_spectrum, Scene, simulate
+from .crawler import Groups, lyapunov_spectrum, Scene, sensitivities, simulate
 from .crawler.solvers import SOLVERS
 from .envs import StickSlipCrawlerEnv
 from .envs.batch_kernel import STEP_BATCH
@@ -48,6 +48,7 @@ def uses() -> Iterator[tuple[str, Callable[[], object]]]:
     yield "simulate, Radau collocation", partial(_simulate, "radau", 1e-9, {})
     yield "simulate, chain of segments", _chain
     yield "exponents, chain of segments", _chain_exponents
+    yield "sensitivities", partial(sensitivities, Groups(), [1, 0], 0.5)
     bodies: list[tuple[str, float, dict[str, float]]] = [
         (f"Taylor series of order {order}", tolerance, {}) for order, tolerance in tolerances
     ]

@@ -24,6 +24,7 @@ class Saltation(NamedTuple):
     by_later_v: float  # v' before less v' after the event
     by_later_w: float  # w' likewise
     stops: bool  # whether the foot rests after it: no change of w is left
+    moves: float  # how much later the event comes for each unit by which its function is larger
 
 
 @compiled
@@ -55,7 +56,7 @@ def saltation_of(body: Body, mode: int, coefficients: Coefficients, valve: float
     # How fast the event function falls: of a grip s plus or less F, of a slip its speed.
     falling = -mode * pull_rate if body.mode == STUCK else -body.mode * foot_before
     moves = 1.0 / falling if falling > 0.0 and time > 0.0 else 0.0
-    jumps = (before - after, foot_before - foot_after, mode == STUCK)
+    jumps = (before - after, foot_before - foot_after, mode == STUCK, moves)
     if body.mode == STUCK:
         return Saltation(mode * by_z * moves, mode * by_v * moves, 0.0, *jumps)
     return Saltation(0.0, 0.0, body.mode * moves, *jumps)

@@ -35,6 +35,7 @@ __all__ = [
     "Taylor16",
     "Taylor20",
     "TaylorChain",
+    "TaylorSensitive",
     "is_taylor",
     "method_of",
 ]
@@ -102,8 +103,12 @@ class TaylorChain(NamedTuple):
     """The method of Taylor series for a chain of segments, of any order: it is expanded in loops."""
 
 
+class TaylorSensitive(NamedTuple):
+    """The method of Taylor series with sensitivities along, of the order of the method in the workspace."""
+
+
 Taylor = Taylor8 | Taylor12 | Taylor16 | Taylor20
-Method = Taylor | Radau | ClosedForm | TaylorChain
+Method = Taylor | Radau | ClosedForm | TaylorChain | TaylorSensitive
 TAYLOR: dict[int, type[Taylor]] = {method.order(): method for method in (Taylor8, Taylor12, Taylor16, Taylor20)}
 # Of a crawler of one body.
 METHODS: tuple[type[Method], ...] = (*TAYLOR.values(), Radau, ClosedForm)

@@ -1,7 +1,9 @@
 """The groups, or the SI parameters, of a body from measurements: nonlinear least squares through slips and stops.
 
-The residuals are those of whole runs. A run is a continuous function of the groups through every slip and stop, with
-kinks where a slip is won or lost; its slopes are central differences of neighbours that are simulated in one batch.
+The residuals are those of whole runs, and their slopes the sensitivities that ride along through every slip and stop
+(`stickslip.sensitivities`); of a chain of segments, differences of neighbours in one batch. Where a slip is won or lost
+a run has a kink or a jump, which no slope tells: what is found is compared with bodies beside it along each parameter,
+and its intervals reach as far as these fit as well.
 A wrong guess gets the slips wrong, and then the sum of squares has many valleys. So the search starts from many bodies
 about the guess on the first few holds, where few slips can be wrong, and lengthens the run as it closes in.
 """
@@ -16,10 +18,11 @@ from scipy.optimize import least_squares
 from scipy.stats import qmc, t
 
 from ...common.validation import known_names, number_within, whole_number
-from ...crawler import Actuator, Groups, GroupsLike, Scene
+from ...crawler import Actuator, Groups, GroupsLike, Scene, SolverError
 from ...crawler.model.groups import RANGES
+from ...crawler.model.tube import is_chain
 from .measurements import Measurements, several
-from .prediction import Body, predicted
+from .prediction import Body, predicted, slopes_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,8 +45,15 @@ _FRACTIONS = (1e-3, 0.999)  # of the mass that the foot may have
 _FIRST = 12  # holds on which starts are compared
 _LENGTHENED = 3.0  # the run grows by this factor
 _KEPT = 8  # starts that are followed
-_VALLEYS = np.geomspace(0.85, 1 / 0.85, 24)  # ratios of static frictions that are compared at the end
+_VALLEYS = np.geomspace(0.8, 1.25, 64)  # ratios of static frictions that are compared at the end
+_DEEPEST = 4  # valleys among them that are descended
 _STEP = 1e-5  # of differences, in units of the guess
+# Where bodies beside a fit are compared with it, in standard errors.
+_BESIDE = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 3.0, 3.5, 4.0, 5.0, 7.0, 10.0, 15.0, 25.0])
+_ROUNDS = 4  # descents that may follow one that was not the lowest
+_STRUCTURED = 5.0  # standard errors of a correlation above which what is left is no noise
+_AGAIN = (_FIRST, 2 * _FIRST)  # holds on which a fit that leaves more than noise is sought once more
+_ALIKE = 0.95  # share of the static friction above which the kinetic one hides it
 _HUGE = 1e6  # residual of a body that cannot be simulated
 _UNKNOWN = 0.5  # a relative standard error above this is told
 _NAMED = 0.2  # share of a direction above which a parameter is named with it
@@ -71,6 +81,9 @@ class Identification:
     runs : tuple of Measurements
         That were fitted.
     scene : Scene
+    profiles : dict of str to (values, rises)
+        For each parameter, values of it beside the fit, the others following as the covariance has it, and by how much
+        the sum of squares is larger there, in squares of the noise.
     """
 
     body: Body
@@ -81,6 +94,7 @@ class Identification:
     warnings: tuple[str, ...]
     runs: tuple[Measurements, ...]
     scene: Scene
+    profiles: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
 
     @property
     def groups(self) -> Groups:
@@ -88,7 +102,11 @@ class Identification:
         return self.body if isinstance(self.body, Groups) else self.body.groups
 
     def interval(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
-        """Intervals of the free parameters by Student's t, one a name.
+        """Intervals of the free parameters, one a name.
+
+        They are those of the linearised fit by Student's t, and longer where `profiles` knows of bodies further away
+        that fit as well: beyond a slip that is won or lost (D. M. Bates and D. G. Watts, Nonlinear Regression Analysis
+        and Its Applications, Wiley 1988, section 6.1).
 
         Parameters
         ----------
@@ -97,11 +115,13 @@ class Identification:
         """
         number_within("level", level, "(0, 1)")
         wide = float(t.ppf(0.5 + 0.5 * level, self.samples - len(self.names)))
-        errors = np.sqrt(np.diag(self.covariance))
-        return {
-            name: (getattr(self.body, name) - wide * float(error), getattr(self.body, name) + wide * float(error))
-            for name, error in zip(self.names, errors, strict=True)
-        }
+        intervals = {}
+        for name, error in zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True):
+            values, rises = self.profiles[name]
+            fitting = values[rises <= wide**2]
+            around = [getattr(self.body, name) + sign * wide * error for sign in (-1.0, 1.0)]
+            intervals[name] = min([around[0], *fitting.tolist()]), max([around[1], *fitting.tolist()])
+        return intervals
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """What was found, ready for JSON.
@@ -211,11 +231,17 @@ def identify(
             break
         kept, holds = max(1, kept // 2), round(_LENGTHENED * holds)
     point = points[np.argmin(problem.costs(points, longest))]
-    for _ in range(2):  # weights by what is left, then the fit by these weights
-        problem.weigh(point)
-        starts_again = problem.about_the_static_friction(point, longest)
-        ends = np.array([problem.descend(start, longest) for start in starts_again])
-        point = ends[np.argmin(problem.costs(ends, longest))]
+    point = problem.polished(point, longest)
+    if problem.structure(point) > _STRUCTURED:  # a wrong count of slips leaves more than noise
+        ends = [point]
+        for begin in _AGAIN:
+            valleys = problem.about_the_static_friction(point, begin)
+            holds = begin
+            while holds < longest:
+                valleys = np.array([problem.descend(each, holds) for each in valleys])
+                holds = round(_LENGTHENED * holds)
+            ends += [problem.descend(each, longest) for each in valleys]
+        point = problem.polished(ends[np.argmin(problem.costs(np.array(ends), longest))], longest)
     return problem.told(point)
 
 
@@ -293,7 +319,7 @@ class _Problem:
         return np.clip(points, low, high)
 
     def about_the_static_friction(self, point: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
-        """A point, and the nearest valley along its static friction, whose sum of squares has a kink a slip."""
+        """A point, and the deepest valleys along its static friction, whose sum of squares has a kink a slip."""
         if "static_friction" not in self.names:
             return point[np.newaxis]
         points = np.tile(point, (_VALLEYS.size, 1))
@@ -302,8 +328,11 @@ class _Problem:
             points[:, self.kinetic] = np.minimum(points[:, self.kinetic] / _VALLEYS, 1.0)
         low, high = self.bounds()
         points = np.clip(points, low, high)
-        best = points[np.argmin(self.costs(points, holds))]
-        return np.unique([point, best], axis=0)
+        costs = self.costs(points, holds)
+        walls = np.concatenate([[np.inf], costs, [np.inf]])
+        valleys = np.flatnonzero((costs < walls[:-2]) & (costs <= walls[2:]))
+        deepest = valleys[np.argsort(costs[valleys])[:_DEEPEST]]
+        return np.concatenate([point[np.newaxis], points[deepest]])
 
     def residuals(self, points: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
         """What is left of the first holds of every run, in units of the errors: (points, samples)."""
@@ -324,6 +353,20 @@ class _Problem:
 
     def slopes(self, point: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
         """Slopes of the residuals in the parameters, (samples, free)."""
+        if is_chain(self.scene):
+            return self._differences(point, holds)
+        parts, body = [], self.body(point)
+        try:
+            for whole in self.runs:
+                run = whole.until(holds)
+                for name, slopes in slopes_of(body, run, self.scene, self.tolerance, self.names).items():
+                    parts.append(slopes[np.isfinite(getattr(run, name))] / self.errors[name])
+        except SolverError:  # where the residuals are those of no body, which has no slopes
+            return self._differences(point, holds)
+        return np.concatenate(parts) @ self.turned(point)
+
+    def _differences(self, point: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
+        """The same by central differences of bodies in one batch."""
         low, high = self.bounds()
         ahead = np.minimum(point + _STEP, high)
         behind = np.maximum(point - _STEP, low)
@@ -350,6 +393,75 @@ class _Problem:
         )
         return np.asarray(found.x)
 
+    def beside(self, point: NDArray[np.float64], holds: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Points beside one, (free, beside, free), and by how much more they leave, in squares of the noise.
+
+        A row is a parameter of the body, moved by so many standard errors. The others follow as the covariance has it,
+        or, where that leaves less, by a Gauss-Newton step from there.
+        """
+        covariance, scale, _, _ = self._linearised(point, holds)
+        turned = self.turned(point)
+        back = np.linalg.pinv(turned)
+        slopes = self.slopes(point, holds) @ back
+        errors = np.sqrt(np.diag(turned @ covariance @ turned.T))
+        ways = turned @ covariance / np.where(errors > 0.0, errors, 1.0)[:, np.newaxis]
+        offsets = np.concatenate([-_BESIDE, _BESIDE])
+        low, high = self.bounds()
+        found, costs = [], []
+        for i, way in enumerate(ways):
+            points = np.clip(point + np.outer(offsets, way), low, high)
+            left = self.residuals(points, holds)
+            step = -np.linalg.pinv(np.delete(slopes, i, axis=1)) @ left.T
+            moved = np.clip(points + np.insert(step, i, 0.0, axis=0).T @ back.T, low, high)
+            both = np.stack([np.mean(each**2, axis=1) for each in (left, self.residuals(moved, holds))])
+            found.append(np.where((both[1] < both[0])[:, np.newaxis], moved, points))
+            costs.append(both.min(axis=0))
+        least = self.costs(point[np.newaxis], holds)[0]
+        return np.array(found), (np.array(costs) - least) * self.samples / scale
+
+    def _linearised(
+        self, point: NDArray[np.float64], holds: int
+    ) -> tuple[NDArray[np.float64], float, NDArray[np.float64], NDArray[np.float64]]:
+        """Covariance of the point, the mean square that is left, and the slopes' singular values and directions."""
+        slopes = self.slopes(point, holds)
+        left = self.residuals(point[np.newaxis], holds)[0]
+        scale = float(left @ left) / (self.samples - len(self.names))
+        _, singular, directions = np.linalg.svd(slopes, full_matrices=False)
+        known = np.maximum(singular, 1e-12 * max(singular[0], 1.0))
+        return (directions.T / known**2) @ directions * scale, scale, known, directions
+
+    def polished(self, point: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
+        """The lowest of what is found beside a point, weighed by what it leaves."""
+        for _ in range(2):  # weights by what is left, then the fit by these weights
+            self.weigh(point)
+            starts = self.about_the_static_friction(point, holds)
+            ends = np.array([self.descend(start, holds) for start in starts])
+            point = ends[np.argmin(self.costs(ends, holds))]
+        for _ in range(_ROUNDS):
+            beside, rises = self.beside(point, holds)
+            lowest = np.unravel_index(np.argmin(rises), rises.shape)
+            if rises[lowest] >= 0.0:
+                break
+            lower = self.descend(beside[lowest], holds)
+            costs = self.costs(np.array([point, lower]), holds)
+            if not costs[1] < costs[0]:
+                break
+            point = lower
+            self.weigh(point)
+        return point
+
+    def structure(self, point: NDArray[np.float64]) -> float:
+        """Correlation of what is left from one sample to the next, the largest of all channels, in standard errors."""
+        found = [0.0]
+        for run in self.runs:
+            for name, values in predicted([self.body(point)], run, self.scene, self.tolerance).items():
+                left = values[0] - getattr(run, name)
+                products = left[1:] * left[:-1]
+                told = np.isfinite(products)
+                if told.any():
+                    found.append(float(products[told].mean() / np.nanmean(left**2) * np.sqrt(told.sum())))
+        return max(found)
+
     def weigh(self, point: NDArray[np.float64]) -> None:
         """Take the errors of the channels from what a body leaves of them."""
         self.errors = {name: left or 1.0 for name, left in self._left(point).items()}
@@ -365,14 +477,13 @@ class _Problem:
     def told(self, point: NDArray[np.float64]) -> Identification:
         """The identification at a fit."""
         longest = max(run.valve.size for run in self.runs)
-        slopes = self.slopes(point, longest)
-        left = self.residuals(point[np.newaxis], longest)[0]
-        scale = float(left @ left) / (self.samples - len(self.names))
-        _, singular, directions = np.linalg.svd(slopes, full_matrices=False)
-        known = np.maximum(singular, 1e-12 * max(singular[0], 1.0))
-        covariance = (directions.T / known**2) @ directions * scale
+        covariance, scale, known, directions = self._linearised(point, longest)
         turned = self.turned(point)
-        return Identification(
+        beside, rises = self.beside(point, longest)
+        values = np.array(
+            [[getattr(self.body(each), name) for each in row] for name, row in zip(self.names, beside, strict=True)]
+        )
+        found = Identification(
             body=self.body(point),
             names=self.names,
             covariance=turned @ covariance @ turned.T,
@@ -381,7 +492,29 @@ class _Problem:
             warnings=_what_is_not_told(self.names, known, directions, scale),
             runs=tuple(self.runs),
             scene=self.scene,
+            profiles=dict(zip(self.names, zip(values, rises, strict=True), strict=True)),
         )
+        more = _hidden_friction(found)
+        if self.structure(point) > _STRUCTURED:
+            more += (
+                "what is left is more than noise, since it goes on from sample to sample: the body differs from the "
+                "model, or a better fit was missed",
+            )
+        return replace(found, warnings=found.warnings + more)
+
+
+def _hidden_friction(found: Identification) -> tuple[str, ...]:
+    """A sentence where the static friction may be next to the kinetic one."""
+    intervals = found.interval()
+    if "static_friction" not in intervals:
+        return ()
+    low, high = intervals["static_friction"]
+    if found.body.kinetic_friction < _ALIKE * low:
+        return ()
+    return (
+        f"static_friction may be within 5% of kinetic_friction: a foot that breaks loose then hardly jumps, and the "
+        f"data tell it no better than {low:.3g} to {high:.3g}",
+    )
 
 
 def _what_is_not_told(

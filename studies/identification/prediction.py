@@ -1,21 +1,25 @@
 """What bodies would have done in the place of the one that was measured."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
-from ...crawler import Actuator, Groups, Scene, simulate, Trajectory
+from ...crawler import Actuator, Groups, Scene, sensitivities, simulate, Trajectory
+from ...crawler.model.groups import RANGES
 from ..halving import by_halves
 from .measurements import Measurements
 
-__all__ = ["Body", "predicted"]
+__all__ = ["Body", "predicted", "slopes_of"]
 
 Body = Groups | Actuator
 
 # Samples of a hold between which the motion is interpolated where it was measured at times of its own.
 _FINE = 48
+# Relative step of differences of groups and scales, which are smooth.
+_STEP = 1e-6
 # What the rate of each position is the sum of.
 _RATES = {"deformation": ("velocity",), "foot": ("foot_velocity",), "payload": ("velocity", "foot_velocity")}
 
@@ -55,6 +59,79 @@ def predicted(
         for name, values in found.items():
             values[rows] = _channel(name, bodies[rows], moved, run)
     return found
+
+
+def slopes_of(
+    body: Body, run: Measurements, scene: Scene, tolerance: float, names: Sequence[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Derivatives of the channels that were measured by parameters of the body, through slips and stops.
+
+    Parameters
+    ----------
+    body : Groups or Actuator
+    run : Measurements
+    scene : Scene
+        Any but a chain of heavy segments.
+    tolerance : float
+    names : sequence of str
+        Fields of the body.
+
+    Returns
+    -------
+    dict of str to (samples, names) array
+
+    Raises
+    ------
+    SolverError
+        If the body cannot be simulated.
+    """
+    length, time, pressure = _units(body)
+    groups = body if isinstance(body, Groups) else body.groups
+    moved = sensitivities(
+        groups,
+        run.valve,
+        run.hold / time,
+        scene=scene,
+        tolerance=tolerance,
+        samples_per_hold=run.samples_per_hold or _FINE,
+    )
+    by_own, by_units = _derivatives(body, names, run.hold)
+    motion = moved.motion | {"payload": moved.motion["foot"] + moved.motion["deformation"]}
+    grid = np.arange(1, motion["foot"].size + 1) * run.hold / _FINE
+    slopes = {}
+    for name in run.measured:
+        unit, by_unit = length, by_units[0]
+        if name == "pressure":
+            unit, by_unit = pressure, by_units[2]
+        elif name in ("velocity", "foot_velocity"):
+            unit, by_unit = length / time, (by_units[0] - length / time * by_units[1]) / time
+        slope = unit * getattr(moved, name) @ by_own + np.outer(motion[name], by_unit)
+        if run.samples_per_hold is None:
+            slope = np.stack([np.interp(run.times, grid, column, left=0.0) for column in slope.T], axis=1)
+        slopes[name] = slope
+    return slopes
+
+
+def _derivatives(body: Body, names: Sequence[str], hold: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Derivatives of groups and hold, (8, names), and of the units of length, time and pressure, (3, names)."""
+    if isinstance(body, Groups):
+        places = [list(RANGES).index(name) for name in names]
+        return np.eye(len(RANGES) + 1)[:, places], np.zeros((3, len(names)))
+
+    def numbers(one: Actuator) -> NDArray[np.float64]:
+        units = _units(one)
+        return np.array([*one.groups.to_dict().values(), hold / units[1], *units])
+
+    columns = []
+    for name in names:
+        value = getattr(body, name)
+        # One-sided of the frictions, in which all is linear: they may not pass each other.
+        ahead = value * (1.0 if name == "kinetic_friction" else 1.0 + _STEP)
+        behind = value * (1.0 if name == "static_friction" else 1.0 - _STEP)
+        change = numbers(replace(body, **{name: ahead})) - numbers(replace(body, **{name: behind}))
+        columns.append(change / (ahead - behind))
+    told = np.stack(columns, axis=1)
+    return told[:-3], told[-3:]
 
 
 def _channel(name: str, bodies: Sequence[Body], moved: Trajectory, run: Measurements) -> NDArray[np.float64]:

@@ -538,6 +538,7 @@ def test_what_is_compiled_ahead_is_every_order_of_every_kind():
         "episodes drawn",
         "simulate, chain of segments",
         "exponents, chain of segments",
+        "sensitivities",
         "recursive least squares",
         "memory reward",
         "reward's target",

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Actuator, Groups, simulate
-from stickslip.studies.identification import identify, Measurements
+from stickslip import Actuator, Groups, Scene, simulate
+from stickslip.studies.identification import CHANNELS, identify, Measurements
+from stickslip.studies.identification.prediction import predicted, slopes_of
 from stickslip.tasks import random_bits
 
 TRUTH = Groups(
@@ -119,6 +120,82 @@ def test_what_the_data_cannot_tell_is_said():
     told = identify(Measurements.of(motion, "deformation", "foot", noise=0.01), free=free, guess=true, starts=1)
     assert len(told.warnings) == 1
     assert all(name in told.warnings[0] for name in free)
+
+
+def test_a_wrong_count_of_slips_is_overcome():
+    # Of the sum of squares this is near a valley of its own, in which what is left is half as large again.
+    near = replace(TRUTH, static_friction=1.08 * TRUTH.static_friction, kinetic_friction=0.99 * TRUTH.kinetic_friction)
+    found = identify(measured("deformation", "foot"), guess=near, starts=1)
+    assert found.groups.static_friction == pytest.approx(TRUTH.static_friction, rel=0.02)
+    assert found.groups.kinetic_friction == pytest.approx(TRUTH.kinetic_friction, rel=2e-3)
+
+
+def test_a_static_friction_next_to_the_kinetic_one_is_said_to_be_hidden():
+    body = replace(TRUTH, static_friction=0.16, kinetic_friction=0.156)
+    motion = simulate(body, random_bits(60, 1), 1.0, samples_per_hold=8)
+    found = identify(Measurements.of(motion, "deformation", "foot", noise=0.01), guess=body, starts=1)
+    (told,) = [warning for warning in found.warnings if warning.startswith("static_friction may be within 5%")]
+    low, high = found.interval()["static_friction"]
+    assert told.endswith(f"no better than {low:.3g} to {high:.3g}")
+    assert low < 0.16 < high
+    assert not identify(measured("deformation", holds=30), guess=TRUTH, starts=1).warnings
+
+
+def test_a_body_that_differs_from_the_model_is_said_to():
+    motion = simulate(TRUTH, random_bits(40, 1), 1.0, samples_per_hold=8, scene={"slope": 0.03})
+    run = Measurements.of(motion, "deformation", "foot", noise=0.01)
+    wrong_scene, right = (
+        identify(run, free=("deborah", "kinetic_friction"), guess=TRUTH, starts=1, scene=scene)
+        for scene in (None, {"slope": 0.03})
+    )
+    assert any(warning.startswith("what is left is more than noise") for warning in wrong_scene.warnings)
+    assert right.warnings == ()
+
+
+def test_an_interval_reaches_as_far_as_bodies_beside_the_fit_fit_as_well():
+    found = identify(measured("foot", holds=30), free=("deborah", "duffing"), guess=TRUTH, starts=1)
+    low, _ = found.interval()["deborah"]
+    values, rises = found.profiles["deborah"]
+    np.testing.assert_array_equal(rises >= 0.0, True)
+    # Where there is no kink the sum of squares is a parabola.
+    error = np.sqrt(found.covariance[0, 0])
+    near = np.abs(values - found.groups.deborah) < 3.0 * error
+    assert near.sum() > 10
+    np.testing.assert_allclose(rises[near], ((values[near] - found.groups.deborah) / error) ** 2, rtol=0.2, atol=0.1)
+    # As many squares of the noise as the interval's own end has are within it, and more are not.
+    further = {name: (np.array([9.0, 11.0]), np.array([3.8, 4.2])) for name in found.names}
+    wider = replace(found, profiles=further).interval()["deborah"]
+    assert wider == pytest.approx((low, 9.0))
+
+
+def test_a_chain_is_fitted_too():
+    scene = {"segments": 2, "tube_mass": 0.1}
+    motion = simulate(TRUTH, random_bits(12, 0), 1.0, samples_per_hold=4, scene=scene)
+    run = Measurements.of(motion, "deformation")
+    found = identify(run, free=("deborah",), guess={**TRUTH.to_dict(), "deborah": 0.6}, scene=scene, starts=1)
+    assert found.groups.deborah == pytest.approx(TRUTH.deborah, rel=1e-6)
+
+
+@pytest.mark.parametrize("each", [4, None], ids=["equally spaced", "at times of their own"])
+def test_slopes_are_those_of_bodies_beside_each_other(each):
+    true = Actuator.ecoflex()
+    hold = 0.06
+    motion = simulate(true, random_bits(10, 0), hold / true.scales.time, samples_per_hold=4).in_si(true)
+    channels = {name: getattr(motion, name) for name in CHANNELS}
+    times = None if each else motion.time - 0.001
+    run = Measurements(motion.valve, hold, each, times, **channels)
+    names = [name for name in true.__dataclass_fields__ if name != "segments"]
+    slopes = slopes_of(true, run, Scene(), 1e-9, names)
+    nudge = 1e-4
+    for j, name in enumerate(names):
+        value = getattr(true, name)
+        beside = [replace(true, **{name: value * (1.0 + sign * nudge)}) for sign in (1.0, -1.0)]
+        for channel, (there, back) in predicted(beside, run, Scene(), 1e-9).items():
+            exact = (there - back) / (2.0 * nudge * value)
+            # Between samples of a fine grid slopes are interpolated, and they jump where the foot stops.
+            tolerance = 1e-4 if each else 0.3 if channel.endswith("velocity") else 0.03
+            size = np.abs(exact).max() + np.abs(channels[channel]).max() / value
+            assert np.abs(slopes[channel][:, j] - exact).max() <= tolerance * size, (name, channel)
 
 
 @pytest.mark.parametrize(
