@@ -18,7 +18,7 @@ test: lint types layers
 slow: $(VENV)/interop-ready $(VENV)/docs-ready $(VENV)/explore-ready peers
 	$(BIN)/python -m pytest -m slow
 
-# The site, in docs/_build/html: pages, reference and the tutorials, which are run where they have changed.
+# The site, in docs/_build/html: pages, reference and the tutorials, which are run.
 docs: $(VENV)/docs-ready
 	$(BIN)/python docs/environment_page.py
 	$(BIN)/python -m sphinx --builder html --nitpicky --fail-on-warning --quiet docs docs/_build/html

@@ -29,13 +29,14 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 nitpicky = True
 
-# Tutorials are Python with cells marked by `# %%`; they are run whenever they have changed.
+# Tutorials are Python with cells marked by `# %%`; they are run whenever their page is built.
 nb_custom_formats = {".py": ["jupytext.reads", {"fmt": "py:percent"}]}
-nb_execution_mode = "cache"
+nb_execution_mode = "force"
 nb_execution_timeout = 1200
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True
+nb_output_stderr = "remove"  # that kernels are compiled is of no page
 nb_number_source_lines = False
 
 # Types stand in the docstrings, with units and ranges; signatures keep names and defaults.

@@ -98,7 +98,7 @@ axes.plot(curve.steps, curve.rewards, "o-", label="PPO while it explores")
 axes.axhline(speeds["PPO"], color="C0", ls="--", lw=1, label="PPO, its best action")
 axes.axhline(speeds["open while short"], color="C1", label="open while short")
 axes.axhline(speeds["coin flips"], color="0.5", label="coin flips")
-axes.set(xlabel="steps of a crawler", ylabel="speed ($z_c / t_c$)", ylim=(0, 1))
+axes.set(xlabel="steps of a crawler", ylabel="speed ($z_c / t_c$)", ylim=(0, 1.2))
 axes.legend(loc="lower right")
 print(f"PPO: speed {speeds['PPO']:.3f}")
 
