@@ -28,11 +28,15 @@ def reproduce(
     """
     from ..common.sharing import processors
     from ..studies.claims.page import NOT_DRAWN
+    from ..studies.claims.real_body import portrait
     from ..studies.claims.reproduce import reproduce as decide
 
     asked = [figure for figure in figures or () if figure not in ("claims", "all")]
     for claim in decide(output, asked, quick=quick, processes=processes or processors(), show=say):
         say(f"{claim.name}  {claim.verdict}: {claim.sentence}")
+        if claim.body:
+            say(f"    the real body: {'; '.join(f'{name} {number}' for name, number in claim.body.items())}")
+    say(f"The real body is {portrait()}.")
     if not asked:
         say(NOT_DRAWN)
     say(f"claims.json, index.md and figures in {output}")

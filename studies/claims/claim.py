@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...reservoir import mean_over_runs
 
-__all__ = ["CLAIMS", "VERDICTS", "Claim", "Number", "Verdict", "interval"]
+__all__ = ["CLAIMS", "FIGURES", "VERDICTS", "Claim", "Number", "Verdict", "interval"]
 
 Verdict = Literal["reproduced", "reproduced in part", "not reproduced", "overturned"]
 VERDICTS: tuple[Verdict, ...] = ("reproduced", "reproduced in part", "not reproduced", "overturned")
@@ -27,6 +27,21 @@ CLAIMS = {
     "C10": "The spread of work over an ensemble comes from stick-slip chaos and fluid lag (D, S28 to S30).",
 }
 """What the paper says, by the name of the claim."""
+
+
+FIGURES = {
+    "C1": ("fig1",),
+    "C2": ("figS6",),
+    "C3": ("fig2",),
+    "C4": ("fig3",),
+    "C5": ("fig3", "figS7"),
+    "C6": ("fig4", "figS8"),
+    "C7": ("figS9",),
+    "C8": ("fig5", "figS10"),
+    "C9": ("fig4",),
+    "C10": ("work",),
+}
+"""Where the paper shows each, and "work" for what it has no figure of."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +92,7 @@ class Claim:
 
     def as_json(self) -> dict[str, Any]:
         """The claim as it stands in ``claims.json``."""
-        return {"claim": CLAIMS[self.name], **asdict(self)}
+        return {"claim": CLAIMS[self.name], "figures": list(FIGURES[self.name]), **asdict(self)}
 
     @classmethod
     def from_json(cls, kept: Mapping[str, Any]) -> Self:
@@ -86,10 +101,22 @@ class Claim:
         return cls(kept["name"], kept["verdict"], kept["sentence"], numbers, kept["check"], body)
 
 
-def interval(values: NDArray[np.float64], unit: str = "1") -> Number:
-    """Mean over runs and its 95% interval by Student's t; the mean alone of one run or of runs that agree."""
+def interval(values: NDArray[np.float64], unit: str = "1", *, least: float = -np.inf) -> Number:
+    """Mean over runs and its 95% interval by Student's t; the mean alone of one run or of runs that agree.
+
+    Parameters
+    ----------
+    values : (runs,) array
+    unit : str
+    least : float
+        Below which no value can be, and no interval reaches.
+    """
     if values.size < 2:
         return Number(float(values[0]), unit=unit)
     found = mean_over_runs(values, bounds=(-np.inf, np.inf))
     mean = float(found.mean)
-    return Number(mean, unit=unit) if np.isnan(found.low) else Number(mean, float(found.low), float(found.high), unit)
+    return (
+        Number(mean, unit=unit)
+        if np.isnan(found.low)
+        else Number(mean, max(float(found.low), least), float(found.high), unit)
+    )

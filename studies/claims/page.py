@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from .claim import Claim, CLAIMS, Number
+from .claim import Claim, CLAIMS, FIGURES, Number
 from .real_body import portrait
 
-__all__ = ["NOT_DRAWN", "as_markdown"]
+__all__ = ["NOT_DRAWN", "as_markdown", "sections"]
 
 NOT_DRAWN = (
     "Figures figS1 to figS5 are not drawn: no claim is known to rest on them, and the supplement's own table of "
@@ -13,23 +13,25 @@ NOT_DRAWN = (
 )
 
 
-def as_markdown(decided: Sequence[Claim], pictures: Mapping[str, Sequence[str]], command: str) -> str:
+def as_markdown(decided: Sequence[Claim], command: str) -> str:
+    """The claims as a page of their own: what wrote it, and `sections`."""
+    return f"# What of the paper stands\n\n`{command}` wrote this page.\n\n{sections(decided)}\n"
+
+
+def sections(decided: Sequence[Claim], picture: str = "{}.png") -> str:
     """The claims, each with its verdict, its numbers and its pictures.
 
     Parameters
     ----------
     decided : sequence of Claim
-    pictures : mapping of str to sequence of str
-        Files by the name of the claim.
-    command : str
-        That wrote the page.
+    picture : str
+        Files of the pictures, "{}" being the name of a figure.
 
     Returns
     -------
     str
     """
-    lines = ["# What of the paper stands", "", f"`{command}` wrote this page.", ""]
-    lines += ["| claim | the paper | verdict |", "|---|---|---|"]
+    lines = ["| claim | the paper | verdict |", "|---|---|---|"]
     lines += [
         f"| [{claim.name}](#{claim.name.lower()}) | {CLAIMS[claim.name]} | **{claim.verdict}** |" for claim in decided
     ]
@@ -41,11 +43,11 @@ def as_markdown(decided: Sequence[Claim], pictures: Mapping[str, Sequence[str]],
         if claim.body:
             lines += ["", *_table("the real body", claim.body)]
         lines += ["", f"Checked by `{claim.check}`."]
-        for picture in pictures[claim.name]:
-            if picture not in shown:
-                shown.add(picture)
-                lines += ["", f"![{_caption(picture)}]({picture})"]
-    return "\n".join(lines) + "\n"
+        for figure in FIGURES[claim.name]:
+            if figure not in shown:
+                shown.add(figure)
+                lines += ["", f"![{_caption(figure)}]({picture.format(figure)})"]
+    return "\n".join(lines)
 
 
 def _table(heading: str, numbers: Mapping[str, Number]) -> list[str]:
@@ -56,6 +58,5 @@ def _table(heading: str, numbers: Mapping[str, Number]) -> list[str]:
     ]
 
 
-def _caption(picture: str) -> str:
-    stem = picture.rsplit("/", 1)[-1].rsplit(".", 1)[0].removeprefix("claims_")
-    return f"{stem} of the paper, redone" if stem.startswith("fig") else f"{stem}, which the paper has no figure of"
+def _caption(figure: str) -> str:
+    return f"{figure} of the paper, redone" if figure.startswith("fig") else f"{figure}: the paper has no figure of it"

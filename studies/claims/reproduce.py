@@ -135,15 +135,10 @@ def reproduce(
 def _write(folder: Path, kept: Kept, quick: bool) -> list[Claim]:
     """Write all that is decided so far, in the order of the paper."""
     claims = {name: [Claim.from_json(claim) for claim in found] for name, found in kept.load().items()}
-    pictures = {
-        claim.name: [_picture(folder, figure).name for figure in STUDIES[name].figures]
-        for name, found in claims.items()
-        for claim in found
-    }
     decided = sorted((claim for found in claims.values() for claim in found), key=lambda each: _ORDER.index(each.name))
     command = f"stickslip reproduce{' --quick' if quick else ''}"
     write_text(folder / "claims.json", json.dumps([claim.as_json() for claim in decided], indent=1) + "\n")
-    write_text(folder / "index.md", as_markdown(decided, pictures, command))
+    write_text(folder / "index.md", as_markdown(decided, command))
     return decided
 
 

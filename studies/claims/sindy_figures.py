@@ -64,5 +64,5 @@ def _plot_trace(laws: Laws, name: str) -> Figure:
         ax.plot(time, true, color=OKABE_ITO[7], lw=1, label="true")
         ax.plot(time, told, color=OKABE_ITO[1], lw=1, label=f"SINDy, {name}")
         ax.set(xlabel="time ($t_c$)", ylabel="foot's acceleration ($z_c / t_c^2$)")
-        ax.legend(loc="upper right", ncols=2)
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     return figure

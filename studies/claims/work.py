@@ -35,15 +35,20 @@ def measure(asked: Asked) -> Work:
 
 def verdict(spreads: Mapping[str, Spread]) -> Verdict:
     """Of C10, by the share that starts have in the variance, and by whether work varies less without the lag."""
-    usual = spreads["as it is"].parts
-    anywhere = spreads["nearly undamped, stiff"].parts
-    by_lag = compare(spreads["lag made fast"], spreads["as it is"])[2] < 1.0
-    by_chaos = usual.low > _CHAOS
+    by_chaos, by_lag = _by_chaos(spreads), _by_lag(spreads)
     if by_chaos and by_lag:
         return "reproduced"
-    if by_chaos or by_lag or anywhere.low > _CHAOS:
+    if by_chaos or by_lag or spreads["nearly undamped, stiff"].parts.low > _CHAOS:
         return "reproduced in part"
-    return "overturned" if usual.high < _LEAVES_NOTHING else "not reproduced"
+    return "overturned" if spreads["as it is"].parts.high < _LEAVES_NOTHING else "not reproduced"
+
+
+def _by_chaos(spreads: Mapping[str, Spread]) -> bool:
+    return spreads["as it is"].parts.low > _CHAOS
+
+
+def _by_lag(spreads: Mapping[str, Spread]) -> bool:
+    return compare(spreads["lag made fast"], spreads["as it is"])[2] < 1.0
 
 
 def claim(work: Work) -> Claim:
@@ -60,17 +65,15 @@ def claim(work: Work) -> Claim:
     return Claim(
         "C10",
         verdict(spreads),
-        f"It is the inputs that spread the work, by {usual.relative:.0%} of its mean: under one input, starts far "
-        f"apart leave {usual.parts.share:.1g} of the variance on the ground, {wild.parts.share:.1g} at a damping "
-        f"ratio of 0.002 and Pi1 = 2000, and {held.parts.share:.2f} where the body is anchored and chaotic and nothing "
-        f"sticks or slips. The lag changes what inputs do: {fast.relative:.0%} of the mean with a fast one and "
-        f"{slow.relative:.0%} with a slow one, of which there is less work; without friction it is "
-        f"{free.relative:.0%}. The balance closes to {residual:.0e}"
-        f"{'' if residual < _CLOSED else ', which is not enough'}, and every cycle from rest loses "
-        f"{study.least_loss:.2g} at least; <W_diss> >= 0 alone says nothing, since it holds of any numbers. "
-        f"Jarzynski's average gives no free energy here, where beta is no temperature: {ends[0]:.2f} at beta = "
-        f"{BETAS[0]} and {ends[1]:.2f} at {BETAS[-1]:g}, while nothing is stored. Of a body that conserves energy, "
-        f"started at exp(-beta H), it is 1 as it must be: {conserving.mean:.3f} at beta = {_AT:g}.",
+        f"Chaos {'spreads the work' if _by_chaos(spreads) else 'does not'}, the lag "
+        f"{'does' if _by_lag(spreads) else 'does not'}, and inputs do: under random bits work varies by "
+        f"{usual.relative:.0%} of its mean, {fast.relative:.0%} with a fast lag, {slow.relative:.0%} with a slow one, "
+        f"{free.relative:.0%} without friction, and under one input starts far apart leave {usual.parts.share:.1g} of "
+        f"that variance on the ground, {wild.parts.share:.1g} at a damping ratio of 0.002 and Pi1 = 2000, and "
+        f"{held.parts.share:.2f} anchored and chaotic, where nothing sticks or slips. The balance of energy "
+        f"{'closes' if residual < _CLOSED else 'does not close'}. Jarzynski's average gives no free energy, since beta "
+        f"is no temperature: {ends[0]:.2f} at beta = {BETAS[0]} and {ends[1]:.2f} at {BETAS[-1]:g}, while nothing is "
+        f"stored.",
         {f"share of starts in the variance, {name}": _share(each) for name, each in spreads.items()}
         | {f"standard deviation over mean, {name}": Number(each.relative) for name, each in spreads.items()}
         | {
@@ -80,8 +83,8 @@ def claim(work: Work) -> Claim:
         | {
             "residual of the balance": Number(residual),
             "least loss in a cycle from rest": Number(study.least_loss, unit="P_max A_0 z_c"),
-            f"<exp(-beta W)>, beta = {_AT:g}, energy conserved": Number(conserving.mean, *conserving.interval),
-            f"<exp(-beta W)>, beta = {_AT:g}, crawler": Number(crawler.mean, *crawler.interval),
+            f"mean of exp(-beta W), beta = {_AT:g}, energy conserved": Number(conserving.mean, *conserving.interval),
+            f"mean of exp(-beta W), beta = {_AT:g}, crawler": Number(crawler.mean, *crawler.interval),
         },
         "stickslip reproduce work",
         {

@@ -37,6 +37,7 @@ def of_readout_penalty(script, results):
 
 
 TABLES = {
+    "claims": lambda script, results: script.tables(results),
     "condition_cost": lambda script, results: {"condition": script.table(results["ratios"])},
     "edge": lambda script, results: script.tables(results),
     "encodings": lambda script, results: {"encodings": script.markdown(results["rows"])},

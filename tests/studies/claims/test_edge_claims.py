@@ -1,8 +1,16 @@
 """C3 to C5: verdicts that follow where memory is largest."""
 
-import pytest
+from dataclasses import replace
 
-from stickslip.studies.claims.edge import along_work, an_edge, at_the_edge
+import numpy as np
+import pytest
+import xarray as xr
+
+from stickslip.studies.claims import edge
+from stickslip.studies.claims.asked import Asked
+from stickslip.studies.claims.edge import along_work, an_edge, at_the_edge, Edge
+from stickslip.studies.claims.edge_figure import plot_edge, plot_through_the_edge, plot_work
+from stickslip.studies.edge.over_maps import name_of
 
 
 def largest(more=(0.5, 0.4, 0.6), exponent=(-0.03, -0.04, -0.02), anchored=3, ground=0):
@@ -47,3 +55,31 @@ def test_memory_at_the_edge(more, exponent, verdict):
     assert told.verdict == verdict
     (number,) = told.numbers.values()
     assert (number.value, number.low, number.high) == more
+
+
+def test_memory_is_drawn_against_the_share_of_the_most_work():
+    shape = ("deborah", "duffing", "seed")
+    found = xr.Dataset(
+        {"memory": (shape, np.full((3, 2, 4), 2.0)), "work": (shape, np.tile([[[4.0], [1.0]]], (3, 1, 4)))},
+        coords={"deborah": [0.1, 1.0, 8.0], "duffing": [0.0, 50.0]},
+    )
+    maps = {name_of(place, 0.5, 0.02, "raw"): found for place in ("anchored", "ground")}
+    left, right = plot_work(Edge(maps, {}, {}, {})).axes
+    np.testing.assert_array_equal(left.get_lines()[0].get_xdata(), [1.0, 0.25])
+    assert right.get_legend().get_texts()[0].get_text() == r"$\Pi_4$ = 0.1"
+
+
+@pytest.mark.slow
+def test_a_small_study_decides_and_draws_all_three(tmp_path, monkeypatch):
+    tiny = replace(edge.QUICK, rows=3, holds=1200, line=5, line_holds=400, long_holds=400, long_delays=30)
+    monkeypatch.setattr(edge, "QUICK", tiny)
+    said = []
+    found = edge.measure(Asked(tmp_path, quick=True, show=said.append))
+    told = {claim.name: claim for claim in edge.claims(found)}
+    assert [*told] == ["C3", "C4", "C5"]
+    assert told["C3"].verdict == "overturned"
+    assert told["C4"].verdict == "reproduced in part"
+    assert any(number.unit == "mJ" for number in told["C3"].body.values())
+    assert len(said) == 15
+    for draw in (plot_work, plot_edge, plot_through_the_edge):
+        assert all(ax.has_data() for ax in draw(found).axes)

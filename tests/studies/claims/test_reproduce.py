@@ -10,7 +10,7 @@ from stickslip.commands import run
 from stickslip.crawler import Groups, Scene, simulate
 from stickslip.studies.claims import crawl, twin
 from stickslip.studies.claims import reproduce as reproduction
-from stickslip.studies.claims.claim import Claim, CLAIMS, Number
+from stickslip.studies.claims.claim import Claim, CLAIMS, FIGURES, Number
 from stickslip.studies.claims.real_body import BODY, TUBE_MASS
 from stickslip.studies.claims.reproduce import reproduce
 from stickslip.studies.claims.sindy import nmse
@@ -141,6 +141,12 @@ def test_a_figure_that_is_not_there_is_refused(tmp_path, capsys):
         reproduce(tmp_path, ["fig9"])
     assert run(["reproduce", "fig9", "--output", str(tmp_path)]) == 1
     assert "fig9" in capsys.readouterr().err
+
+
+def test_every_claim_has_a_figure_that_a_study_draws():
+    drawn = {figure for study in reproduction.STUDIES.values() for figure in study.figures}
+    assert set(FIGURES) == set(CLAIMS)
+    assert {figure for figures in FIGURES.values() for figure in figures} == drawn
 
 
 def test_a_claim_is_one_of_the_paper():
