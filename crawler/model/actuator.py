@@ -126,12 +126,13 @@ class Actuator:
         radial_coupling: float = 0.0,
         gravity: float = STANDARD_GRAVITY,
         segments: int = 1,
+        tube_share: float = 0.5,
     ) -> Self:
         """Lump an elastomer tube between a payload and a foot.
 
         A segment has stiffness E A_w / (L_0 / N) (equation S15), so the body, N of them in series, has E A_w / L_0,
-        with the wall's area A_w = pi (R_o^2 - R_i^2). The tube's mass rho A_w L_0 (N times equation S14) is shared
-        equally by the two ends, and the bore pi R_i^2 carries the pressure.
+        with the wall's area A_w = pi (R_o^2 - R_i^2). Either end bears a share of the tube's mass rho A_w L_0 (N times
+        equation S14), and the bore pi R_i^2 carries the pressure.
 
         Parameters
         ----------
@@ -149,6 +150,10 @@ class Actuator:
             As in :class:`Actuator`, for the whole body.
         segments : int
             N >= 1.
+        tube_share : float, in [0, 1/2]
+            Of the tube's mass, that either end bears. With 1/2 none of it is lost. With 1/3 the body swings as fast as
+            the tube does (Lord Rayleigh, The Theory of Sound, section 156): it keeps nearer to a chain of segments
+            (docs/claims.md, C2), and its crawler is lighter by a third of the tube.
 
         Returns
         -------
@@ -171,10 +176,10 @@ class Actuator:
         if inner_radius >= outer_radius:
             raise ValueError(f"inner_radius must be in (0, outer_radius = {outer_radius!r}), got {inner_radius!r}")
         wall_area = math.pi * (outer_radius**2 - inner_radius**2)
-        half = 0.5 * density * wall_area * length
+        borne = number_within("tube_share", tube_share, "[0, 0.5]") * density * wall_area * length
         return cls(
-            payload_mass=payload_mass + half,
-            foot_mass=foot_mass + half,
+            payload_mass=payload_mass + borne,
+            foot_mass=foot_mass + borne,
             stiffness=youngs_modulus * wall_area / length,
             cubic_stiffness=cubic_stiffness,
             damping=damping,
@@ -203,11 +208,12 @@ class Actuator:
         damping: float = 0.0,
         gravity: float = STANDARD_GRAVITY,
         segments: int = 1,
+        tube_share: float = 0.5,
     ) -> Self:
         """Lump a tube whose stiffness, cubic stiffness, area and coupling follow from its elastomer.
 
         They are those of the lumped body nearest to the tube between rest and where the peak pressure holds it
-        (:meth:`Tube.lumped`, which tells how near that is). The tube's mass is shared equally by the two ends.
+        (:meth:`Tube.lumped`, which tells how near that is).
 
         Parameters
         ----------
@@ -216,6 +222,8 @@ class Actuator:
             As in :meth:`from_tube`.
         segments : int
             N >= 1.
+        tube_share : float, in [0, 1/2]
+            Of the tube's mass, that either end bears, as in :meth:`from_tube`.
 
         Returns
         -------
@@ -231,11 +239,12 @@ class Actuator:
             raise ValueError(
                 "tube must have a thread_radius, got None: pressure does not lengthen a tube without threads"
             )
-        half = 0.5 * density * math.pi * (tube.outer_radius**2 - tube.inner_radius**2) * tube.length
+        wall_area = math.pi * (tube.outer_radius**2 - tube.inner_radius**2)
+        borne = number_within("tube_share", tube_share, "[0, 0.5]") * density * wall_area * tube.length
         body = tube.lumped((0.0, tube.deformation_at(peak_pressure)), peak_pressure)
         return cls(
-            payload_mass=payload_mass + half,
-            foot_mass=foot_mass + half,
+            payload_mass=payload_mass + borne,
+            foot_mass=foot_mass + borne,
             stiffness=body.stiffness,
             cubic_stiffness=body.cubic_stiffness,
             damping=damping,

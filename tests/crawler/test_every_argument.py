@@ -269,7 +269,8 @@ TUBE = {
 
 
 def test_no_argument_of_an_actuator_is_left_out():
-    assert optional(Actuator) == optional(Actuator.from_tube) == set(ACTUATOR)
+    assert optional(Actuator) == set(ACTUATOR)
+    assert optional(Actuator.from_tube) == {*ACTUATOR, "tube_share"}
 
 
 @pytest.mark.parametrize("name", ACTUATOR)
@@ -309,6 +310,16 @@ def test_a_tube_hands_every_argument_on(changes):
     made = Actuator.from_tube(**TUBE, **changes)
     for field in fields(Actuator):
         assert getattr(made, field.name) == pytest.approx(getattr(expected, field.name), rel=1e-14), field.name
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0 / 3.0, 0.5])
+def test_either_end_bears_a_share_of_the_tube(share):
+    mass = 1070.0 * math.pi * (0.01**2 - 0.006**2) * 0.11
+    made = Actuator.from_tube(**TUBE, tube_share=share)
+    assert made.payload_mass == pytest.approx(0.2 + share * mass, rel=1e-14)
+    assert made.foot_mass == pytest.approx(0.1 + share * mass, rel=1e-14)
+    with pytest.raises(ValueError, match=r"^tube_share must be in \[0, 0.5\], got 0.6"):
+        Actuator.from_tube(**TUBE, tube_share=0.6)
 
 
 @pytest.mark.parametrize(

@@ -139,10 +139,10 @@ COMMON = {
 def test_an_actuator_has_the_numbers_of_its_tube():
     here = tube(INNER, ECOFLEX_00_30)
     body = here.lumped((0.0, here.deformation_at(20e3)), 20e3)
-    actuator = Actuator.from_elastomer(here, **COMMON, damping=0.3, gravity=9.0, segments=3)
+    actuator = Actuator.from_elastomer(here, **COMMON, damping=0.3, gravity=9.0, segments=3, tube_share=0.4)
     assert actuator == Actuator(
-        payload_mass=0.16 + 0.5 * 1070.0 * WALL * LENGTH,
-        foot_mass=0.07 + 0.5 * 1070.0 * WALL * LENGTH,
+        payload_mass=0.16 + 0.4 * 1070.0 * WALL * LENGTH,
+        foot_mass=0.07 + 0.4 * 1070.0 * WALL * LENGTH,
         stiffness=body.stiffness,
         cubic_stiffness=body.cubic_stiffness,
         damping=0.3,

@@ -7,7 +7,7 @@ import pytest
 from matplotlib import pyplot as plt
 
 from stickslip.commands import run
-from stickslip.crawler import Groups, Scene, simulate
+from stickslip.crawler import Actuator, Groups, Scene, simulate
 from stickslip.studies.claims import crawl, twin
 from stickslip.studies.claims import reproduce as reproduction
 from stickslip.studies.claims.claim import Claim, CLAIMS, FIGURES, Number
@@ -127,6 +127,22 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path):
 def test_a_claim_is_the_same_once_it_was_kept():
     claim = Claim("C1", "overturned", "No.", {"a": Number(1.0, 0.5, 1.5)}, "look", {"b": Number(2.0, unit="mm")})
     assert Claim.from_json(json.loads(json.dumps(claim.as_json()))) == claim
+
+
+def test_an_actuator_can_bear_a_third_of_its_tube_at_each_end():
+    measures = {"outer_radius": 0.01, "inner_radius": 0.006, "length": 0.11, "youngs_modulus": 7e4}
+    rest = {"peak_pressure": 3e4, "lag": 0.02, "static_friction": 0.0, "kinetic_friction": 0.0, "damping": 0.3}
+    masses = {"payload_mass": 0.14, "foot_mass": 0.06}
+    bare, third = (
+        Actuator.from_tube(**measures, **rest, **masses, density=density, tube_share=1.0 / 3.0)
+        for density in (0.0, 1070.0)
+    )
+    tube = 1070.0 * np.pi * (0.01**2 - 0.006**2) * 0.11
+    valve = random_bits(20, 0)
+    told = twin._one_spring(bare.groups, tube / bare.mass, 1.0 / 3.0, valve)[0]
+    hold = bare.scales.time / third.scales.time
+    true = simulate(third.groups, valve, hold, samples_per_hold=20, tolerance=1e-8).deformation
+    np.testing.assert_allclose(told, true, atol=1e-9)
 
 
 def test_half_of_the_real_tube_at_each_end_is_the_real_body():
