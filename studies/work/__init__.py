@@ -1,1 +1,7 @@
 """Work of the pressure over ensembles of inputs and of starts: its balance, its spread, and Jarzynski's average."""
+
+from .ensembles import boltzmann_starts, Works, works_of
+from .jarzynski import Average, average
+from .split import Split, split
+
+__all__ = ["Average", "Split", "Works", "average", "boltzmann_starts", "split", "works_of"]
