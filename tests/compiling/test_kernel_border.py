@@ -13,13 +13,18 @@ from numba.core import types
 
 import stickslip
 from stickslip.ahead import uses
+from stickslip.common.extras import MissingExtra
 from stickslip.compiling.compilation import compiled, Kernel
 from stickslip.crawler.model.state import REST
 
 
 def modules():
     for found in pkgutil.walk_packages(stickslip.__path__, "stickslip."):
-        yield importlib.import_module(found.name)
+        try:
+            module = importlib.import_module(found.name)
+        except MissingExtra:  # of a page in the browser, which has no kernel
+            continue
+        yield module
 
 
 def marks_of(definition):
