@@ -43,6 +43,11 @@ def test_every_link_leads_somewhere(page):
             assert anchor in anchors(target), link
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_no_page_has_two_versions_of_itself(page):
+    assert not re.search(r"^(?:<{7}|>{7}) ", page.read_text(encoding="utf-8"), re.MULTILINE)
+
+
 def in_the_tree(page):
     text = page.read_text(encoding="utf-8")
     for block in re.findall(r"```\{toctree\}\n(.*?)```", text, re.DOTALL):
