@@ -1,6 +1,5 @@
 """What takes a long run to tell: mean speed, memory, and the exponents."""
 
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ from ..crawler import lyapunov_spectrum, LyapunovSpectrum, simulate
 from ..reservoir import memory_capacity, MemoryCapacity
 from ..tasks import body_states, innovation
 from .driving import driven
+from .hearing import heard
 from .setup import Setup
 
 __all__ = ["DELAYS", "LONG", "NODES", "WASHOUT", "LongRun", "exponents_of", "long_run", "profile_of"]
@@ -29,7 +29,7 @@ class LongRun(NamedTuple):
     memory: MemoryCapacity | None
     """For the flips; None where there are none."""
     doubt: str
-    """Why the memory is not to be trusted, in a sentence; empty where it is."""
+    """Why these numbers are not to be trusted, in a sentence; empty where they are."""
     valve: NDArray[np.int64]
     """(LONG,) of 0 and 1."""
 
@@ -52,28 +52,28 @@ def long_run(setup: Setup) -> LongRun:
         As `simulate`.
     """
     command, valve = driven(setup, LONG)
-    motion = simulate(
-        setup.groups,
-        valve,
-        setup.hold,
-        scene=setup.scene,
-        tolerance=setup.tolerance,
-        samples_per_hold=NODES,
+    motion, warning = heard(
+        lambda: simulate(
+            setup.groups,
+            valve,
+            setup.hold,
+            scene=setup.scene,
+            tolerance=setup.tolerance,
+            samples_per_hold=NODES,
+        )
     )
     speed = float(motion.foot[-1] / (LONG * setup.hold))
     if setup.dither == 0.0:
-        return LongRun(speed, None, "", valve)
+        return LongRun(speed, None, warning, valve)
     flips = valve != command
     scored = (LONG + WASHOUT) // 2
     if not (flips[WASHOUT:scored].any() and flips[scored:].any()):
         # What then is left of the message is the word's own period, which anybody can foretell.
-        return LongRun(
-            speed, None, f"flips are so rare that {LONG} holds had none to learn from or to be judged on", valve
-        )
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        found = memory_capacity(body_states(motion), innovation(valve, command, setup.dither), DELAYS, washout=WASHOUT)
-    return LongRun(speed, found, str(said[0].message) if said else "", valve)
+        rare = f"flips are so rare that {LONG} holds had none to learn from or to be judged on"
+        return LongRun(speed, None, rare, valve)
+    message = innovation(valve, command, setup.dither)
+    found, doubt = heard(lambda: memory_capacity(body_states(motion), message, DELAYS, washout=WASHOUT))
+    return LongRun(speed, found, warning or doubt, valve)
 
 
 def exponents_of(setup: Setup, valve: NDArray[np.int64]) -> LyapunovSpectrum:

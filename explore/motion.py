@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..crawler import simulate, Trajectory
 from .driving import driven
+from .hearing import heard
 from .setup import Setup
 from .units import Units, units_of
 
@@ -34,6 +35,8 @@ class Shown(NamedTuple):
     """In natural units, from rest."""
     command: NDArray[np.int64]
     """(holds,) of 0 and 1: what `motion.valve` would be without flips."""
+    doubt: str = ""
+    """What the solver warned of, in a sentence."""
 
 
 def shown_holds(hold: float) -> int:
@@ -68,15 +71,17 @@ def shown(setup: Setup, bits: Sequence[int] = ()) -> Shown:
         command = valve = np.array(bits, np.int64)
     else:
         command, valve = driven(setup, shown_holds(setup.hold))
-    motion = simulate(
-        setup.groups,
-        valve,
-        setup.hold,
-        scene=setup.scene,
-        tolerance=setup.tolerance,
-        samples_per_hold=samples_of(setup.hold),
+    motion, doubt = heard(
+        lambda: simulate(
+            setup.groups,
+            valve,
+            setup.hold,
+            scene=setup.scene,
+            tolerance=setup.tolerance,
+            samples_per_hold=samples_of(setup.hold),
+        )
     )
-    return Shown(motion, command)
+    return Shown(motion, command, doubt)
 
 
 def trace_of(setup: Setup, what: Shown) -> dict[str, Array]:

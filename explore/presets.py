@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from ..crawler import PRESETS as BODIES
+from .. import crawler
 from .setup import Setup, setup_of
 
 __all__ = ["PRESETS", "Preset", "preset"]
@@ -44,7 +44,7 @@ PRESETS: Mapping[str, Preset] = {
     ),
     **{
         name: Preset(name, "Bodies", setup_of(body.to_dict()))
-        for name, body in BODIES.items()
+        for name, body in crawler.PRESETS.items()
         if name != "ecoflex-00-30"
     },
     **_made(

@@ -84,13 +84,13 @@ def in_si(setup: Setup) -> dict[str, str]:
     body = actuator_with(setup.groups)
     scales = body.scales
     return {
-        "duffing": f"k₃ = {body.cubic_stiffness:.3g} N/m³",
+        "duffing": f"k₃ = {1e-3 * body.cubic_stiffness:.3g} kN/m³",
         "damping_ratio": f"b = {body.damping:.3g} N s/m",
         "deborah": f"τ = {1e3 * body.lag:.3g} ms",
         "radial_coupling": f"α = {body.radial_coupling:.3g} /m",
         "foot_mass_fraction": f"m_f = {1e3 * body.foot_mass:.3g} g",
         "static_friction": f"μ_s = {body.static_friction:.3g}",
         "kinetic_friction": f"μ_k = {body.kinetic_friction:.3g}",
-        "slope": f"{setup.slope * scales.force:.3g} N",
-        "hold": f"{1e3 * setup.hold * scales.time:.3g} ms",
+        "slope": f"Mg sin = {setup.slope * scales.force:.3g} N",
+        "hold": f"h = {1e3 * setup.hold * scales.time:.3g} ms",
     }

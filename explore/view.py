@@ -107,6 +107,7 @@ def told_of_long_run(setup: Setup, run: LongRun) -> dict[str, Any]:
         "memory": None if memory is None else memory.corrected,
         "bound": None if memory is None else memory.bound,
         "doubt": run.doubt,
+        "holds": len(run.valve),
         "front": front_at(setup.dither)[0],
     }
 

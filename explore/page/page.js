@@ -7,13 +7,14 @@ window.stickslip = (() => {
   const sliders = new Map([...document.querySelectorAll(".number")].map((each) => [each.dataset.number, each]))
   let sources = null, told = null
   let number = 0, waiting = false, actions = []
-  let time = 0, playing = true, pace = 2, bit = 0, last = null, drawn = 0
+  let time = 0, playing = true, pace = 2, bit = 0, last = null, drawn = 0, silence = 0
 
   // ---- Asking: one question at a time, and of several changes of one thing only the last.
 
   function ask(action) {
     if (action.do === "set") actions = actions.filter((each) => each.do !== "set" || each.name !== action.name)
     actions.push(action)
+    if (action.do === "set") by_id("preset").value = "" // it is none any more
     if (!waiting) send()
   }
 
@@ -22,6 +23,13 @@ window.stickslip = (() => {
     number += 1
     sources.asked.data = { json: [JSON.stringify({ number, actions })] }
     actions = []
+    clearTimeout(silence)
+    silence = setTimeout(() => say("No answer yet: is `stickslip explore` still running, and is the machine very busy?"), 8000)
+  }
+
+  function say(sentence) {
+    by_id("notice").hidden = !sentence
+    by_id("notice").textContent = sentence
   }
 
   const set = (name, value) => ask({ do: "set", name, value })
@@ -123,7 +131,11 @@ window.stickslip = (() => {
     by_id("hold-open").classList.toggle("open", open)
   }
 
-  const typing = (target) => target instanceof HTMLElement && target.matches("input[type=text], select")
+  // Where the space bar has another use: in what is typed into, and on a button that was reached by keys.
+  const typing = (target) => target instanceof HTMLElement && target.matches("input[type=text], select, button:not(#hold-open)")
+  document.addEventListener("click", (event) => {
+    if (event.detail > 0 && document.activeElement instanceof HTMLButtonElement) document.activeElement.blur()
+  })
   document.addEventListener("keydown", (event) => {
     if (event.code !== "Space" || typing(event.target) || by_id("program-dialog").open || !told) return
     event.preventDefault()
@@ -151,8 +163,8 @@ window.stickslip = (() => {
   function on_told() {
     const news = JSON.parse(sources.told.data.json[0])
     waiting = false
-    by_id("notice").hidden = !news.notice
-    by_id("notice").textContent = news.notice || ""
+    clearTimeout(silence)
+    say(news.notice || "")
     if (news.setup) show(news)
     page.dataset.answered = news.number
     page.removeAttribute("aria-busy")
@@ -173,7 +185,7 @@ window.stickslip = (() => {
       if (actions.some((action) => action.name === name)) continue
       if (Number(value_of(slide)) !== setup[name]) slide.value = place_of(slide, setup[name])
       if (document.activeElement !== exact || news.notice) exact.value = written(setup[name])
-      by_id(`${name}-si`).textContent = setup.units === "SI" ? news.si[name] || "" : ""
+      by_id(`${name}-si`).innerHTML = setup.units === "SI" ? lowered(news.si[name] || "") : ""
     }
     choices("units", setup.units)
     choices("drive", setup.drive)
@@ -188,6 +200,8 @@ window.stickslip = (() => {
     by_id("model").textContent = `Integrated: ${news.model}.`
     by_id("program").textContent = news.program
     for (const each of document.querySelectorAll("[data-unit]")) each.innerHTML = lowered(units[`${each.dataset.unit}_unit`])
+    // t_c is 1/16 s of the crawler in SI.
+    by_id("usual-pace").innerHTML = setup.units === "SI" ? `real time / ${(0.5 / units.time).toFixed(0)}` : "2 t<sub>c</sub> a second"
     const live = setup.drive === "live"
     page.classList.toggle("stale", !live)
     page.classList.toggle("stale-exponents", !live)
@@ -207,8 +221,7 @@ window.stickslip = (() => {
     if (!told || news.number !== told.number) return
     if (news.failure) {
       page.classList.remove("stale", "stale-exponents")
-      by_id("notice").hidden = false
-      by_id("notice").textContent = news.failure
+      say(news.failure)
     }
     if (news.run) show_run(news.run)
     if (news.exponents) show_exponents(news.exponents)
@@ -218,7 +231,7 @@ window.stickslip = (() => {
     page.classList.remove("stale")
     const { setup, units } = told
     by_id("speed").innerHTML = digits(run.speed) + unit(units.speed_unit)
-    by_id("speed-more").textContent = "over a run of 4000 holds"
+    by_id("speed-more").textContent = `over ${run.holds} holds`
     if (run.memory === null) {
       by_id("memory").textContent = "–"
       by_id("memory-more").textContent = setup.dither === 0 ? "no flips, no message" : run.doubt
@@ -336,7 +349,8 @@ window.stickslip = (() => {
       if (sources.measured.data.json.length) on_measured()
       requestAnimationFrame(frame)
     },
-    // For tests: what is seen.
+    // For tests and timings: what is seen, and the sources it comes from.
+    get models() { return sources },
     get seen() { return { told, time, trace: stage.trace && { ...stage.trace }, at: stage.trace && stage.at(time) } },
   }
 })()

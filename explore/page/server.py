@@ -1,6 +1,7 @@
 """The server of the page, for this machine alone."""
 
 import errno
+import logging
 import socket
 import webbrowser
 from collections.abc import Callable
@@ -111,6 +112,8 @@ def serve(setup: Setup, port: int, open_browser: bool, say: Callable[[str], None
     ValueError
         As `server_at`.
     """
+    # A visitor who has left is no news.
+    logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
     with ThreadPoolExecutor(1) as workers:
         server = server_at(port, setup, workers)
         say("Preparing the solver: up to a minute the first time.")

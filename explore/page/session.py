@@ -9,7 +9,6 @@ from typing import Any
 
 from ...common.extras import optional_import
 from ...common.threads import library_threads
-from ...crawler import PRESETS as BODIES
 from ...crawler.refusals import SolverError
 from ...train.policies.pretrained import PRETRAINED
 from ..driving import takes_weight
@@ -94,13 +93,24 @@ class Session:
         else:
             self._plots.sources["trace"].data = trace_of(view.setup, what)
             self._plots.sources["events"].data = events_of(view.setup, what)
-            told |= {"notice": self._notice, **told_of_motion(view, what)}
+            self._draw_front(view.setup)
+            told |= {"notice": self._notice or what.doubt, **told_of_motion(view, what)}
         _say(self._channels["told"], told)
         if self._waiting is not None:
             self._document.remove_timeout_callback(self._waiting)
             self._waiting = None
-        if view.setup.drive != "live":
+        if view.setup.drive == "live":
+            self._plots.sources["you"].data = {"speed": [], "memory": []}
+            self._plots.sources["profile"].data = profile_of(None)
+        else:
             self._waiting = self._document.add_timeout_callback(partial(self._measure, view.setup, self._asked), _QUIET)
+
+    def _draw_front(self, setup: Setup) -> None:
+        (dither, front), units = front_at(setup.dither), units_of(setup)
+        if self._front != (dither, units):
+            draw_front(self._plots, front, units)
+            self._front = dither, units
+            self._plots.sources["you"].data = {"speed": [], "memory": []}
 
     def _measure(self, setup: Setup, number: int) -> None:
         self._waiting = None
@@ -116,7 +126,7 @@ class Session:
                 self._later(self._show_run, setup, number, run)
                 if number == self._asked:
                     self._later(self._show_exponents, setup, number, exponents_of(setup, run.valve))
-        except SolverError as error:
+        except Exception as error:  # a thread's own end would be silent, and the page would wait for it for ever
             self._later(self._show_failure, number, _sentence(error))
 
     def _later(self, function: Callable[..., None], *arguments: Any) -> None:
@@ -125,13 +135,8 @@ class Session:
     def _show_run(self, setup: Setup, number: int, run: LongRun) -> None:
         if number != self._asked:
             return
-        units = units_of(setup)
         told = told_of_long_run(setup, run)
         self._plots.sources["profile"].data = profile_of(run.memory)
-        front = front_at(setup.dither)
-        if self._front != (front[0], units):
-            draw_front(self._plots, front[1], units)
-            self._front = front[0], units
         self._plots.sources["you"].data = {"speed": [told["speed"]], "memory": [told["memory"] or 0.0]}
         self._measured = {"number": number, "run": told}
         _say(self._channels["measured"], self._measured)
@@ -179,7 +184,6 @@ def _static() -> dict[str, Any]:
         "presets": groups,
         "policies": {name: takes_weight(name) for name in PRETRAINED},
         "longest_word": LONGEST_WORD,
-        "bodies": list(BODIES),
         "style": (files / "page.css").read_text(encoding="utf-8"),
         "scripts": [(files / name).read_text(encoding="utf-8") for name in ("stage.js", "page.js")],
     }

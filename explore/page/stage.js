@@ -68,7 +68,9 @@ class Stage {
     context.clip()
     context.translate(width / 2, ground)
     // M g sin(angle) is the slope in units of P_max A_0, which is 0.815 M g for the crawler of Ecoflex.
-    context.rotate(-Math.asin(Math.max(-0.9, Math.min(0.9, 0.815 * this.slope))))
+    this.rise = Math.max(-0.9, Math.min(0.9, 0.815 * this.slope))
+    this.room = height - strip - ground
+    context.rotate(-Math.asin(this.rise))
     const place = (x) => (x - this.camera) * scale
     const reach = 0.75 * Math.hypot(width, height)
     this.#ground(place, scale, reach, now)
@@ -102,14 +104,19 @@ class Stage {
     for (let k = first; k <= last; k++) {
       const x = place(k * step), named = k % every === 0
       line(context, x, 0, x, named ? 9 : 5)
-      if (named) context.fillText(units.length_unit === "mm" ? `${k * 50}` : `${k}`, x, 11)
+      if (named && this.#seen(x, 23)) context.fillText((units.length_unit === "mm" ? `${k * 50}` : `${k}`).replace("-", "−"), x, 11)
     }
     const start = place(0)
-    if (Math.abs(start) < reach) {
+    if (Math.abs(start) < reach && this.#seen(start, 36)) {
       context.fillStyle = INK.soft
       context.textBaseline = "top"
       context.fillText("start", start, 23)
     }
+  }
+
+  // Whether what is so far along the ground and below it is above the strip.
+  #seen(along, below) {
+    return below - along * this.rise < this.room
   }
 
   // Where the foot has held, and the way that it slid last.

@@ -5,7 +5,6 @@ from typing import Annotated
 from ..common.extras import optional_import
 from ..common.validation import whole_number
 from .options import groups_of, GroupsOption
-from .printing import say
 
 with optional_import():
     import typer
@@ -29,4 +28,4 @@ def explore(
     setup = preset_of(preset)
     if groups is not None:
         setup = setup_of(Groups.of(groups_of(groups)).to_dict(), setup)
-    serve(setup, port, open_browser, say)
+    serve(setup, port, open_browser, typer.echo)

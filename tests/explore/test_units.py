@@ -25,15 +25,15 @@ def test_the_default_body_is_that_of_ecoflex():
 def test_numbers_are_told_in_si():
     told = in_si(setup_of({"damping_ratio": 0.1, "hold": 2.0, "slope": 0.1}))
     assert told == {
-        "duffing": "k₃ = 3.28e+04 N/m³",
+        "duffing": "k₃ = 32.8 kN/m³",
         "damping_ratio": "b = 0.8 N s/m",
         "deborah": "τ = 31.2 ms",
         "radial_coupling": "α = 6.4 /m",
         "foot_mass_fraction": "m_f = 75 g",
         "static_friction": "μ_s = 0.816",
         "kinetic_friction": "μ_k = 0.544",
-        "slope": "0.2 N",
-        "hold": "125 ms",
+        "slope": "Mg sin = 0.2 N",
+        "hold": "h = 125 ms",
     }
     assert set(told) < set(NUMBERS)
 

@@ -1,0 +1,135 @@
+"""How soon the page of `stickslip explore` answers: from a slider's event to the plots' data in the browser.
+
+Run ``python benchmarks/explore.py`` where Chromium and Playwright are (``make explore`` installs the latter). A process
+serves the page, a browser without a window opens it, and one thing after another is moved as a hand would: the next
+move comes when the last is answered. Times are those of the browser's own clock, from the event to the arrival of the
+answer's last part, by when the plots have their data, and to the end of the frame after that. The results are kept in
+``benchmarks/results/explore.json``, the table is written into ``docs/explore.md``, and the page's picture into
+``docs/images``; ``--picture`` makes that alone.
+"""
+
+import argparse
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from measuring import keep, machine, refresh
+
+from stickslip.common.files import atomically
+from stickslip.studies.benchmark.report import as_markdown
+
+ROOT = Path(__file__).parents[1]
+RESULTS = ROOT / "benchmarks" / "results" / "explore.json"
+PAGE = ROOT / "docs" / "explore.md"
+PICTURE = ROOT / "docs" / "images" / "explore.png"
+QUERIES = {
+    "a slider of the body, a word": ("?dither=0.1", "duffing"),
+    "a slider of the body, SI": ("?units=SI", "deborah"),
+    "the hold, a word": ("", "hold"),
+    "the tolerance, 1e-15 to 1e-2": ("", "tolerance"),
+    "a slider of the body, a policy": ("?drive=policy&policy=knee", "duffing"),
+    "the hold, a policy": ("?drive=policy&policy=conditioned", "hold"),
+}
+"""What is moved: the link that is opened, and the slider."""
+
+_MOVE = """async ([id, moves]) => {
+    const slide = document.getElementById(id), told = window.stickslip.models.told, times = []
+    const frame = () => new Promise((resolve) => requestAnimationFrame(resolve))
+    for (let k = 0; k < moves; k++) {
+        await new Promise((resolve) => setTimeout(resolve, 40))
+        await frame()
+        const answered = new Promise((resolve) => {
+            const heard = () => {
+                told.properties.data.change.disconnect(heard)
+                resolve(performance.now())
+            }
+            told.properties.data.change.connect(heard)
+        })
+        slide.value = 1000 * (0.5 + 0.45 * Math.sin(2.4 * k))
+        const begun = performance.now()
+        slide.dispatchEvent(new Event("input"))
+        const data = await answered - begun
+        await frame()
+        await frame()
+        times.push([data, performance.now() - begun])
+    }
+    return times
+}"""
+
+
+def table(times: Mapping[str, Mapping[str, Sequence[float]]]) -> str:
+    """Milliseconds to the data and to the picture, by what is moved."""
+    rows = [["what is moved", "data there, median (ms)", "95% within", "drawn, median", "95% within"]]
+    for name, each in times.items():
+        found = [f"{np.quantile(each[part], q):.0f}" for part in ("data", "drawn") for q in (0.5, 0.95)]
+        rows.append([name, *found])
+    return as_markdown(rows)
+
+
+def main() -> None:
+    """Measure, and write it down."""
+    parser = argparse.ArgumentParser(description="How soon the page of `stickslip explore` answers.")
+    parser.add_argument("--moves", type=int, default=60, help="of each kind")
+    parser.add_argument("--picture", action="store_true", help="only the page's picture")
+    chosen = parser.parse_args()
+    from playwright.sync_api import sync_playwright
+
+    program = [sys.executable, "-c", "from stickslip.cli import main; main()", "explore", "--no-open", "--port", "0"]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, text=True, encoding="utf-8") as process:
+        try:
+            assert process.stdout is not None
+            address = next(found[0] for line in process.stdout if (found := re.search(r"http://\S+", line)))
+            with sync_playwright() as playwright:
+                browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+                times = {} if chosen.picture else _measured(browser, address, chosen.moves)
+                _draw(browser, address)
+                browser.close()
+        finally:
+            process.send_signal(signal.SIGINT)
+    if chosen.picture:
+        return
+    keep(RESULTS, {"machine": machine("bokeh"), "moves": chosen.moves, "milliseconds": times})
+    refresh(PAGE, {"answers": table(json.loads(RESULTS.read_text(encoding="utf-8"))["milliseconds"])})
+
+
+def _measured(browser: Any, address: str, moves: int) -> dict[str, Any]:
+    times: dict[str, Any] = {}
+    for name, (query, slider) in QUERIES.items():
+        page = _opened(browser, address + query)
+        page.evaluate(_MOVE, [slider, 3])
+        data, drawn = zip(*page.evaluate(_MOVE, [slider, moves]), strict=True)
+        times[name] = {"data": [round(each, 2) for each in data], "drawn": [round(each, 2) for each in drawn]}
+        print(name, f"{np.median(data):.1f} ms", flush=True)
+        page.close()
+    return times
+
+
+def _draw(browser: Any, address: str) -> None:
+    """Picture the page with the foot in the middle of a slide."""
+    page = _opened(browser, address)
+    page.wait_for_function("!document.querySelector('.page').matches('.stale, .stale-exponents')")
+    page.wait_for_function("window.stickslip.seen.time > 9 && window.stickslip.seen.at.sliding")
+    page.click("#play")
+    page.mouse.move(0, 0)
+    page.wait_for_timeout(500)
+    atomically(PICTURE, lambda file: page.screenshot(path=file, full_page=True))
+    page.close()
+
+
+def _opened(browser: Any, address: str) -> Any:
+    page = browser.new_page(viewport={"width": 1440, "height": 1000})
+    page.set_default_timeout(120_000)
+    page.goto(address)
+    page.wait_for_function("document.getElementById('page')?.dataset.answered !== undefined")
+    return page
+
+
+if __name__ == "__main__":
+    main()
