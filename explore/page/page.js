@@ -7,7 +7,7 @@ window.stickslip = (() => {
   const sliders = new Map([...document.querySelectorAll(".number")].map((each) => [each.dataset.number, each]))
   let sources = null, told = null
   let number = 0, waiting = false, actions = []
-  let time = 0, playing = true, pace = 2, bit = 0, last = null, drawn = 0, silence = 0
+  let time = 0, playing = true, pace = 2, bit = 0, last = null, drawn = 0, silence = 0, placed = ""
 
   // ---- Asking: one question at a time, and of several changes of one thing only the last.
 
@@ -77,9 +77,13 @@ window.stickslip = (() => {
 
   // ---- Choices.
 
+  function label(element, attribute, value) {
+    if (element.getAttribute(attribute) !== value) element.setAttribute(attribute, value)
+  }
+
   function choices(attribute, chosen) {
     for (const each of document.querySelectorAll(`[data-${attribute}]`))
-      if (each.getAttribute("role") === "radio") each.setAttribute("aria-checked", String(each.dataset[attribute] === chosen))
+      if (each.getAttribute("role") === "radio") label(each, "aria-checked", String(each.dataset[attribute] === chosen))
   }
 
   for (const each of document.querySelectorAll("[data-units]")) each.addEventListener("click", () => set("units", each.dataset.units))
@@ -117,6 +121,7 @@ window.stickslip = (() => {
     }
     ;[...word].forEach((letter, k) => {
       const button = bits.children[k]
+      if (button.textContent === letter) return
       button.textContent = letter
       button.setAttribute("aria-pressed", String(letter === "1"))
       button.setAttribute("aria-label", `bit ${k + 1}: ${letter === "1" ? "open" : "shut"}`)
@@ -144,8 +149,8 @@ window.stickslip = (() => {
     if (told.setup.drive !== "live") set("drive", "live")
   })
   document.addEventListener("keyup", (event) => {
-    if (event.code !== "Space" || typing(event.target)) return
-    event.preventDefault()
+    if (event.code !== "Space") return
+    if (!typing(event.target)) event.preventDefault()
     press(false)
   })
   window.addEventListener("blur", () => press(false))
@@ -155,6 +160,22 @@ window.stickslip = (() => {
   by_id("keep").addEventListener("click", () => ask({ do: "keep" }))
 
   // ---- Telling.
+
+  // Only what has changed is written: the browser finds the style of all again that is touched, and Bokeh waits for it.
+  const written_last = new Map()
+  function put(id, html) {
+    if (written_last.get(id) === html) return
+    written_last.set(id, html)
+    by_id(id).innerHTML = html
+  }
+
+  const escaped = (text) => text.replace(/[&<>"]/g, (letter) => `&#${letter.charCodeAt(0)};`)
+
+  const EXPONENTS = [...document.querySelectorAll(".exponents")]
+  const SLOW = [...document.querySelectorAll(".slow")].filter((each) => !EXPONENTS.includes(each))
+  function stale(some, on) {
+    for (const each of some) if (each.classList.contains("stale") !== on) each.classList.toggle("stale", on)
+  }
 
   const lowered = (text) => text.replace(/_([a-z]+)/g, "<sub>$1</sub>")
   const unit = (text) => `<span class="unit">${lowered(text)}</span>`
@@ -185,7 +206,7 @@ window.stickslip = (() => {
       if (actions.some((action) => action.name === name)) continue
       if (Number(value_of(slide)) !== setup[name]) slide.value = place_of(slide, setup[name])
       if (document.activeElement !== exact || news.notice) exact.value = written(setup[name])
-      by_id(`${name}-si`).innerHTML = setup.units === "SI" ? lowered(news.si[name] || "") : ""
+      put(`${name}-si`, setup.units === "SI" ? lowered(news.si[name] || "") : "")
     }
     choices("units", setup.units)
     choices("drive", setup.drive)
@@ -195,20 +216,20 @@ window.stickslip = (() => {
     by_id("weighed").hidden = policy.dataset.weighed !== "true"
     by_id("flips").hidden = setup.drive === "live"
     show_word(setup.word)
-    by_id("distance").innerHTML = digits(news.distance) + unit(units.length_unit)
-    by_id("distance-more").innerHTML = `in ${digits(news.time)} ${lowered(units.time_unit)}, ${news.slips} slip${news.slips === 1 ? "" : "s"}`
-    by_id("model").textContent = `Integrated: ${news.model}.`
+    put("distance", digits(news.distance) + unit(units.length_unit))
+    put("distance-more", `in ${digits(news.time)} ${lowered(units.time_unit)}, ${news.slips} slip${news.slips === 1 ? "" : "s"}`)
+    put("model", escaped(`Integrated: ${news.model}.`))
     by_id("program").textContent = news.program
-    for (const each of document.querySelectorAll("[data-unit]")) each.innerHTML = lowered(units[`${each.dataset.unit}_unit`])
+    if (anew) for (const each of document.querySelectorAll("[data-unit]")) each.innerHTML = lowered(units[`${each.dataset.unit}_unit`])
     // t_c is 1/16 s of the crawler in SI.
-    by_id("usual-pace").innerHTML = setup.units === "SI" ? `real time / ${(0.5 / units.time).toFixed(0)}` : "2 t<sub>c</sub> a second"
+    put("usual-pace", setup.units === "SI" ? `real time / ${(0.5 / units.time).toFixed(0)}` : "2 t<sub>c</sub> a second")
     const live = setup.drive === "live"
-    page.classList.toggle("stale", !live)
-    page.classList.toggle("stale-exponents", !live)
+    stale(SLOW, !live)
+    stale(EXPONENTS, !live)
     if (live) {
       for (const name of ["speed", "memory", "exponent"]) {
-        by_id(name).textContent = "–"
-        by_id(`${name}-more`).textContent = "of a word or a policy"
+        put(name, "–")
+        put(`${name}-more`, "of a word or a policy")
       }
       nothing("no-memory", "Memory is measured on flips, which no hand makes.")
       nothing("no-plane", "")
@@ -220,7 +241,8 @@ window.stickslip = (() => {
     const news = JSON.parse(sources.measured.data.json[0])
     if (!told || news.number !== told.number) return
     if (news.failure) {
-      page.classList.remove("stale", "stale-exponents")
+      stale(SLOW, false)
+      stale(EXPONENTS, false)
       say(news.failure)
     }
     if (news.run) show_run(news.run)
@@ -228,28 +250,28 @@ window.stickslip = (() => {
   }
 
   function show_run(run) {
-    page.classList.remove("stale")
+    stale(SLOW, false)
     const { setup, units } = told
-    by_id("speed").innerHTML = digits(run.speed) + unit(units.speed_unit)
-    by_id("speed-more").textContent = `over ${run.holds} holds`
+    put("speed", digits(run.speed) + unit(units.speed_unit))
+    put("speed-more", escaped(`over ${run.holds} holds`))
     if (run.memory === null) {
-      by_id("memory").textContent = "–"
-      by_id("memory-more").textContent = setup.dither === 0 ? "no flips, no message" : run.doubt
+      put("memory", "–")
+      put("memory-more", escaped(setup.dither === 0 ? "no flips, no message" : "flips are too rare"))
       nothing("no-memory", setup.dither === 0 ? "Without flips there is no message to remember." : run.doubt)
     } else {
-      by_id("memory").innerHTML = digits(run.memory) + unit("holds")
-      by_id("memory-more").textContent = run.doubt ? "rough: the flips are few" : `of at most ${run.bound}`
+      put("memory", digits(run.memory) + unit("holds"))
+      put("memory-more", escaped(run.doubt ? "rough: the flips are few" : `of at most ${run.bound}`))
       by_id("memory-more").title = run.doubt
       nothing("no-memory", "")
     }
     nothing("no-plane", "")
-    by_id("front").textContent = `Front of the default body at hold 0.5 and flips ${run.front}; the grey area is what words reach.`
+    put("front", escaped(`Front of the default body at hold 0.5 and flips ${run.front}; the grey area is what words reach.`))
   }
 
   function show_exponents(found) {
-    page.classList.remove("stale-exponents")
-    by_id("exponent").innerHTML = found.exponents[0].toFixed(3).replace("-", "−") + unit(`/${told.units.time_unit}`)
-    by_id("exponent-more").textContent = `± ${found.errors[0].toFixed(3)}, ${found.verdict}`
+    stale(EXPONENTS, false)
+    put("exponent", found.exponents[0].toFixed(3).replace("-", "−") + unit(`/${told.units.time_unit}`))
+    put("exponent-more", escaped(`± ${found.errors[0].toFixed(3)}, ${found.verdict}`))
   }
 
   function nothing(id, text) {
@@ -292,11 +314,11 @@ window.stickslip = (() => {
 
   function play(on) {
     playing = on
-    by_id("play").innerHTML = on ? PAUSE : PLAY
+    put("play", on ? PAUSE : PLAY)
     by_id("play").setAttribute("aria-label", on ? "Pause" : "Play")
   }
 
-  by_id("again").innerHTML = AGAIN
+  put("again", AGAIN)
   by_id("play").addEventListener("click", () => play(!playing))
   by_id("again").addEventListener("click", () => {
     time = 0
@@ -331,10 +353,13 @@ window.stickslip = (() => {
       if (stage.end < time - told.units.time) time = stage.end // it began anew
       time = Math.max(stage.begin, Math.min(time, stage.end))
     } else if (time > stage.end || time < stage.begin) time = stage.begin
+    const place = `${time} ${window.innerWidth} ${window.devicePixelRatio}`
+    if (place === placed && stage.still) return
+    placed = place
     const at = stage.draw(time, lapse)
-    if (at && now - drawn > 45 && by_id("program-dialog").open === false) {
+    if (at && (now - drawn > 45 || !playing) && by_id("program-dialog").open === false) {
       drawn = now
-      by_id("clock").innerHTML = clock(at, told.units)
+      put("clock", clock(at, told.units))
       sources.cursor.data = { time: [at.time], foot: [at.foot], deformation: [at.deformation], velocity: [at.velocity] }
     }
   }

@@ -20,6 +20,7 @@ class Stage {
     this.trace = trace
     this.units = units
     this.slope = slope
+    this.still = false
     this.stops = stops_of(trace).map((stop) => ({ x: stop.value / units.length, from: stop.from }))
   }
 
@@ -62,6 +63,7 @@ class Stage {
     const wanted = now.x + 0.5 * (REST_LENGTH + PAYLOAD - FOOT) + 0.3
     const far = this.camera === null || Math.abs(wanted - this.camera) > 6
     this.camera = far ? wanted : this.camera + (wanted - this.camera) * (1 - Math.exp(-lapse / 0.5))
+    this.still = Math.abs(wanted - this.camera) * scale < 0.5
     context.save()
     context.beginPath()
     context.rect(0, 0, width, height - strip)

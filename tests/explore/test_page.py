@@ -97,7 +97,7 @@ def opened(browser, address):
 
 def measured(page):
     """Wait until nothing is stale."""
-    page.wait_for_function("!document.querySelector('.page').matches('.stale, .stale-exponents')")
+    page.wait_for_function("!document.querySelector('.stale')")
 
 
 def answered(page, action):
@@ -175,7 +175,7 @@ def test_a_slider_changes_the_plot(opened):
     value = told(page)["setup"]["duffing"]
     assert 0.5 < value < 5.0
     assert page.input_value("#duffing-exact") == f"{value:g}"
-    page.wait_for_function("!document.querySelector('.page').matches('.stale')")
+    page.wait_for_function("!document.querySelector('.stale')")
     assert not np.array_equal(trace(page)["foot"], before)
     assert_drawn(page, setup_of({"duffing": value}))
 
