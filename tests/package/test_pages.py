@@ -66,7 +66,7 @@ def public_packages():
     """Those with names in their `__all__`, read and not imported, but for programs."""
     source = ROOT / "src" / "stickslip"
     for file in sorted(Path(folder) / "__init__.py" for folder, _, files in os.walk(source, followlinks=True) if files):
-        if not file.exists() or {"commands", "demo", "explore"} & set(file.parts):
+        if not file.exists() or {"commands", "demo"} & set(file.relative_to(source).parts):
             continue
         (listed,) = re.findall(r"^__all__ = \[(.*?)\]", file.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE) or [
             ""
