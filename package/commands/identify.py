@@ -1,5 +1,6 @@
 """``stickslip identify``."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, TYPE_CHECKING
 
@@ -52,19 +53,25 @@ def identify(
         float | None, typer.Option(help="Length of a hold, in s or natural time; found from the valve's turns.")
     ] = None,
     level: Annotated[float, typer.Option(help="Of the intervals, 0 to 1.")] = 0.95,
+    design: Annotated[
+        int | None,
+        typer.Option(help="Holds of a next run: the word is told that would tell most about what is known least."),
+    ] = None,
     output: Annotated[Path, typer.Option(help="Folder of identification.json and the figures.")] = Path(
         "runs/identification"
     ),
 ) -> None:
     """Find a body from logs of how it moved: groups or SI parameters with intervals, and what the logs cannot tell."""
     from ..common.figures import save_figure
-    from ..common.validation import number_within
+    from ..common.validation import number_within, whole_number
     from ..studies.identification import identify as find
     from ..studies.identification.log import read_log
 
     if guess is not None and actuator is not None:
         raise ValueError("--guess is of groups and --actuator of a body in SI: one of them must be given, not both")
     number_within("--level", level, "(0, 1)")
+    if design is not None:
+        whole_number("--design", design, 1, 1000)
     body = actuator_of(actuator) if actuator is not None else None if guess is None else groups_of(guess)
     names = None if free is None else [name.strip() for name in free.split(",")]
     if names is None and actuator is not None:
@@ -75,9 +82,19 @@ def identify(
         _check_units(log, each, actuator is not None)
     found = find([each.run for each in read], free=names, guess=body, scene=ground)
     _print(found, read, level)
+    told = found.to_dict(level) | {"logs": [str(log) for log in logs], "holds": [each.run.hold for each in read]}
+    if design is not None:
+        following = found.next_word(design)
+        told["design"] = asdict(following)
+        now, then, random = (
+            f"{100.0 * each[following.aim]:.2g}%" for each in (following.known, following.errors, following.random)
+        )
+        say(
+            f"Least is known of {following.aim}, to {now} by its standard error. A run of {following.word} would leave "
+            f"{then}, a random word {random}."
+        )
 
     output.mkdir(parents=True, exist_ok=True)
-    told = found.to_dict(level) | {"logs": [str(log) for log in logs], "holds": [each.run.hold for each in read]}
     write_json(output / "identification.json", told, indent=2)
     for i in range(len(read)):
         name = "fit" if len(read) == 1 else f"fit-{i + 1}"

@@ -1,8 +1,20 @@
 """Laws and groups of a body from measurements of how it moved."""
 
+from .design import best_word, Design
 from .identify import Identification, identify
 from .log import Log, read_log
 from .measurements import CHANNELS, Measurements
 from .regression import Law, regress
 
-__all__ = ["CHANNELS", "Identification", "Law", "Log", "Measurements", "identify", "read_log", "regress"]
+__all__ = [
+    "CHANNELS",
+    "Design",
+    "Identification",
+    "Law",
+    "Log",
+    "Measurements",
+    "best_word",
+    "identify",
+    "read_log",
+    "regress",
+]

@@ -21,6 +21,7 @@ from ...common.validation import known_names, number_within, whole_number
 from ...crawler import Actuator, Groups, GroupsLike, Scene, SolverError
 from ...crawler.model.groups import RANGES
 from ...crawler.model.tube import is_chain
+from .design import best_word, Design
 from .measurements import Measurements, several
 from .prediction import Body, predicted, slopes_of
 
@@ -147,6 +148,34 @@ class Identification:
             "warnings": list(self.warnings),
             "scene": self.scene.to_dict(),
         }
+
+    def next_word(self, length: int, aim: str | None = None) -> Design:
+        """The word of the valve that would tell most about what is known least, or about another `aim`.
+
+        Parameters
+        ----------
+        length : int
+            Holds of the word, run from rest and measured as `runs[0]` was.
+        aim : str, optional
+            One of `names`, or "all" for all of them at once.
+
+        Returns
+        -------
+        Design
+        """
+        run = self.runs[0]
+        each = run.samples_per_hold or max(1, round(run.times.size / run.valve.size))
+        return best_word(
+            self.body,
+            length,
+            names=self.names,
+            noise={name: self.noise[name] for name in run.measured},
+            hold=run.hold,
+            samples_per_hold=each,
+            covariance=self.covariance,
+            aim=aim,
+            scene=self.scene,
+        )
 
     def plot(self, run: int = 0) -> "Figure":
         """What was measured in one of the runs, the fit, and what is left of it, over time.

@@ -142,6 +142,7 @@ DEFAULTS = {
         "scene": "{}",
         "hold": None,
         "level": 0.95,
+        "design": None,
         "output": "runs/identification",
     },
     "reproduce": {"figures": None, "output": "runs/claims", "quick": False, "processes": None},

@@ -40,7 +40,7 @@ def natural(tmp_path_factory):
 
 
 def test_groups_are_found_printed_and_written(capsys, tmp_path, natural):
-    options = ["--free", "duffing, deborah", "--scene", '{"slope": 0.02}', "--level", "0.9"]
+    options = ["--free", "duffing, deborah", "--scene", '{"slope": 0.02}', "--level", "0.9", "--design", "6"]
     assert run(["identify", *natural, *options, "--output", str(tmp_path / "one")]) == 0
     told = capsys.readouterr().out
     assert told.count("25 holds of 1 natural units of time, 250 samples of deformation, foot") == 2
@@ -58,6 +58,10 @@ def test_groups_are_found_printed_and_written(capsys, tmp_path, natural):
         assert found["value"] == pytest.approx(value, rel=5e-3)
         assert re.search(rf"{name} +{found['value']:.5g} +{low:.5g} to {high:.5g}", told)
     assert written["groups"] == pytest.approx(Groups(**TRUTH).to_dict(), rel=5e-3)
+    following = written["design"]
+    assert f"Least is known of {following['aim']}, to " in told
+    assert re.search(rf"A run of\s{following['word']}\swould", told)
+    assert len(following["word"]) == 6
     names = sorted(file.name for file in (tmp_path / "one").iterdir())
     assert names == ["fit-1.png", "fit-1.svg", "fit-2.png", "fit-2.svg", "identification.json"]
 
@@ -97,6 +101,7 @@ def test_what_a_log_cannot_tell_is_said(capsys, tmp_path):
         (["--free", "colour"], "error: free has no 'colour'; allowed are"),
         (["--guess", "{}", "--actuator", "ecoflex"], "error: --guess is of groups and --actuator of a body in SI: one"),
         (["--actuator", "ecoflex"], "error: --actuator is for logs in SI units, and "),
+        (["--design", "0"], "error: --design must be a whole number in [1, 1000], got 0"),
         (["--level", "1"], "error: --level must be in (0, 1), got 1.0"),
         (["--scene", "3"], "error: --scene must be a JSON object, got '3'"),
         (["--hold", "0.3"], "error: "),
