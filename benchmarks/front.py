@@ -6,7 +6,7 @@ others. The cells are kept in ``runs/front`` as they end, and a run that was sto
 later run adds to; ``--quick`` makes the front of ``stickslip trade --quick`` instead. What they came to is then kept in
 ``benchmarks/results/front.json``, the tables are written into ``docs/trade.md`` and the README between their marks, and
 the figures are drawn into ``docs/images``. The points go into ``explore/front.json`` too, which the package ships for
-``stickslip explore``; ``--ship`` writes nothing but that, from what is kept.
+``stickslip explore``; ``--ship`` writes nothing but that, from what is kept, and ``--draw`` only draws the front.
 """
 
 import argparse
@@ -22,9 +22,11 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 from measuring import keep, machine, refresh
 
+from stickslip.common.figures import save_figure
 from stickslip.common.sharing import processors
 from stickslip.reservoir import Estimate
 from stickslip.studies.benchmark.report import as_markdown, cell
+from stickslip.studies.trade.figure import plot_front
 from stickslip.studies.trade.front import estimated, Front, fronts, gain, Point
 from stickslip.studies.trade.learned import Learned, learned
 from stickslip.studies.trade.plan import FULL, QUICK, Trade
@@ -172,7 +174,12 @@ def main() -> None:
     parser.add_argument("--dithers", type=float, nargs="+")
     parser.add_argument("--seeds", type=int)
     parser.add_argument("--ship", action="store_true", help="only write what the package ships, from what is kept")
+    parser.add_argument("--draw", action="store_true", help="only draw the front anew, from what is kept")
     chosen = parser.parse_args()
+    if chosen.draw:
+        kept = made_of(json.loads(RESULTS.read_text(encoding="utf-8")))
+        save_figure(plot_front(next(front for front in kept if front.dither == SHOWN)), IMAGES / "front.png")
+        return
     if chosen.ship:
         _ship()
         return

@@ -3,11 +3,12 @@
 Run ``python benchmarks/laboratory.py``. Every attempt is kept in ``runs/laboratory``, which a further run goes on from.
 Numbers go into `benchmarks/results/laboratory.json`, tables into `docs/reservoir.md` and `README.md`, figures into
 `docs/images`. ``--quick`` makes what the README shows alone; ``--tables`` leaves the closed loops, whose scores are in
-that file, as they are.
+that file, as they are. ``--draw`` only draws those figures anew that the kept means tell.
 """
 
 import argparse
 import json
+import math
 import os
 import shutil
 from pathlib import Path
@@ -18,9 +19,12 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from measuring import keep, machine, refresh
 
+from stickslip.common.figures import save_figure
+from stickslip.reservoir import Estimate
 from stickslip.studies.benchmark.bench import Bench
+from stickslip.studies.benchmark.figures import plot_scores, plot_sweep
 from stickslip.studies.benchmark.probe import probes
-from stickslip.studies.benchmark.report import as_markdown, cell
+from stickslip.studies.benchmark.report import as_markdown, cell, KNOWN
 from stickslip.studies.search import held_out_scores
 from stickslip.tasks import BodyReservoir, DelayLine, EchoState, Reservoir, TASKS
 from stickslip.tasks.task import mean_score
@@ -96,13 +100,39 @@ def rows_of_loops(found: dict[str, Any]) -> list[list[str]]:
     return rows
 
 
+def draw(results: dict[str, Any]) -> None:
+    """Draw anew what the kept means tell: all scores, their differences, and the sweep of the hold."""
+    images = ROOT / "docs" / "images"
+    scores, differences, hold = (
+        {
+            (row["task"], row["reservoir"]): Estimate(
+                row["mean"], *(row["interval"] or (math.nan, math.nan)), row["seeds"]
+            )
+            for row in rows
+        }
+        for rows in (results["all"]["means"], results["all"]["differences"], results["hold"]["means"])
+    )
+    save_figure(plot_scores(scores, KNOWN), images / "bench_scores.png")
+    save_figure(plot_scores(differences, KNOWN, against=BESIDE[0]), images / "bench_differences.png")
+    by_task: dict[str, dict[float, Estimate]] = {}
+    for (task, reservoir), one in hold.items():
+        by_task.setdefault(task, {})[float(reservoir.rpartition(" ")[2])] = one
+    values = sorted(next(iter(by_task.values())))
+    shown = {task: [each[value] for value in values] for task, each in by_task.items()}
+    save_figure(plot_sweep("hold", values, shown, KNOWN), images / "bench_sweep_hold.png")
+
+
 def main() -> None:
     """Run, and write numbers, tables and figures."""
     parser = argparse.ArgumentParser(description="The tables of the laboratory's page and of the README.")
     parser.add_argument("--quick", action="store_true", help="only what the README shows")
     parser.add_argument("--tables", action="store_true", help="of closed loops only the table of the kept scores")
+    parser.add_argument("--draw", action="store_true", help="only draw anew what the kept means tell")
     arguments = parser.parse_args()
     results = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
+    if arguments.draw:
+        draw(results)
+        return
     results["machine"] = machine("scipy", "scikit-learn")
     # What the README shows comes first, in the folder of all.
     results["readme"], shown, _ = run("all", tasks=",".join(SHOWN), reservoirs=",".join(BESIDE))

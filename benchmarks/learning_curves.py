@@ -22,7 +22,7 @@ import numpy as np
 from measuring import keep, machine, refresh
 
 from stickslip.common.extras import optional_import
-from stickslip.common.figures import house_style, OKABE_ITO
+from stickslip.common.figures import house_style, OKABE_ITO, PAGE_WIDTH
 from stickslip.common.files import atomically
 from stickslip.train import StickSlipVecEnv
 from stickslip.train.evaluations import read_evaluations
@@ -129,19 +129,29 @@ def draw(found: dict[str, Any]) -> "Figure":
         from matplotlib import pyplot as plt
 
     with house_style():
-        figure, panels = plt.subplots(1, len(ALGORITHMS), figsize=(11, 3.0), sharey=True, layout="constrained")
-        for panel, algorithm in zip(panels, ALGORITHMS, strict=True):
+        figure, panels = plt.subplots(2, 3, figsize=(PAGE_WIDTH, 4.2), sharey=True, layout="constrained")
+        for panel, algorithm in zip(panels.flat, ALGORITHMS, strict=False):
             for seed, colour in zip(SEEDS, OKABE_ITO, strict=False):
                 curves = {way: found["curves"][f"{algorithm}/{way}/{seed}"] for way in WAYS}
                 for way, style in {"native": "-", "DummyVecEnv": "o"}.items():
                     thousands = np.array(curves[way]["steps"]) / 1000
-                    label = f"{way}, seed {seed}" if panel is panels[-1] else None
-                    panel.plot(thousands, curves[way]["reward"], style, color=colour, mfc="none", ms=6, label=label)
-            panel.axhline(OPTIMUM, lw=0.8, ls="--", color="0.4")
-            panel.axhline(found["yardsticks"]["random"], lw=0.8, ls=":", color="0.4")
+                    panel.plot(
+                        thousands,
+                        curves[way]["reward"],
+                        style,
+                        color=colour,
+                        mfc="none",
+                        ms=5,
+                        label=f"{way}, seed {seed}",
+                    )
+            panel.axhline(OPTIMUM, lw=0.9, ls="--", color="0.3", label="the best there is")
+            panel.axhline(found["yardsticks"]["random"], lw=0.9, ls=":", color="0.3", label="random commands")
             panel.set(title=algorithm, xlabel="thousand steps")
-        panels[0].set(ylabel="mean reward per step", ylim=(-0.05, 1.12))
-        panels[-1].legend(loc="lower right", fontsize=6)
+        for panel in panels[:, 0]:
+            panel.set(ylabel="mean reward per step", ylim=(-0.05, 1.12))
+        *_, empty = panels.flat
+        empty.set_axis_off()
+        empty.legend(*panels[0, 0].get_legend_handles_labels(), loc="center")
     return figure
 
 

@@ -4,32 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import resources
 from pathlib import Path
-from typing import Any
 
 from .extras import optional_import
 from .files import atomically
 
 with optional_import():
     from matplotlib import pyplot as plt
+    from matplotlib import rc_params_from_file
     from matplotlib.figure import Figure
 
-__all__ = ["MARKERS", "OKABE_ITO", "house_style", "save_figure"]
+__all__ = ["BODY", "MARKERS", "OKABE_ITO", "OPEN", "PAGE_WIDTH", "SLIDES", "SMALL", "house_style", "save_figure"]
 
 # M. Okabe and K. Ito, "Color universal design" (2008): told apart by all common forms of colour vision.
 OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442", "#000000")
 MARKERS = "os^Dvp*X"
 
-_STYLE: dict[Any, Any] = {
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.prop_cycle": plt.cycler(color=OKABE_ITO),
-    "legend.frameon": False,
-    "lines.linewidth": 1.3,
-    "savefig.bbox": "tight",
-    "savefig.dpi": 200,
-}
+PAGE_WIDTH = 6.5
+"""Inches: the width of a page, and of a figure on it."""
+
+SMALL = 8
+"""Points: the smallest letters."""
+
+SLIDES, OPEN, BODY = "0.88", "#CDE8F7", "#FBEBC8"
+"""Shades of what a motion does: the foot slides, the valve is open, the body reaches from foot to payload."""
+
+with resources.as_file(resources.files(__package__) / "house.mplstyle") as _file:
+    _STYLE = rc_params_from_file(_file, use_default_template=False)
 
 
 @contextmanager

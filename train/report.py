@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 from ..common.figures import save_figure
@@ -91,7 +92,10 @@ def evaluate_run(
     elif dither is None:
         told["against"] = verdict.read_baselines(folder, verdict.STANDARD if judge is None else judge)
     result = evaluate_policy(policy, arguments, output, **told)
-    save_figure(plot_learning(folder / "evaluations.csv"), output / "learning.png")
+    written = verdict.read_report(output)
+    assert written is not None
+    baselines = {name: fmean(each["reward"]) for name, each in written["baselines"].items()}
+    save_figure(plot_learning(folder / "evaluations.csv", baselines=baselines), output / "learning.png")
     return result
 
 

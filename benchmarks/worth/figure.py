@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.common.extras import optional_import
-from stickslip.common.figures import house_style, MARKERS, OKABE_ITO
+from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, PAGE_WIDTH, SMALL
 
 from .cost import SIMULATE, STEP
 from .experiments import BODIES, CHAOTIC, POLICIES, RANDOM, TASKS, WORDS
@@ -28,39 +28,48 @@ Error = Callable[[str, str, float], float]  # of a body, a result and a toleranc
 _DEFAULT, _LIVELY = BODIES
 _LINES = {_DEFAULT: "-", _LIVELY: "--"}
 _DEFAULTS = {SIMULATE: SIMULATE_DEFAULT, STEP: ENVIRONMENT_DEFAULT}
+_BELOW: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.45, -0.2), "ncols": 2}  # of a panel, its legend
 _NAMES = {SIMULATE: "simulate", STEP: "a step"}
+_QUESTIONS = (
+    "what do scores lose?",
+    "what does the speed lose?",
+    "what does a policy's return lose?",
+    "do policies learn less?",
+    "when do chaotic motions part?",
+    "are their statistics the same?",
+)
 _FLOOR = 3e-14  # where rounding hides the rest
 
 
 def draw(results: Results) -> Figure:
-    """Six panels.
+    """Six panels, each of one question.
 
     Parameters
     ----------
     results : mapping
         By key, as `benchmarks/accuracy_worth.py` keeps them.
     """
-    with house_style(), plt.rc_context({"font.size": 8, "svg.hashsalt": "accuracy_worth"}):
-        figure, axes = plt.subplots(2, 3, figsize=(10.0, 6.4), layout="constrained")
-        (scores, speeds, returns), (training, parting, statistics) = axes
+    with house_style(), plt.rc_context({"font.size": SMALL, "axes.labelsize": SMALL, "svg.hashsalt": "accuracy_worth"}):
+        figure, axes = plt.subplots(3, 2, figsize=(PAGE_WIDTH, 10.4), layout="constrained")
+        (scores, speeds), (returns, training), (parting, statistics) = axes
         _against_cost(scores, results, SIMULATE, TASKS, lambda b, n, t: score_loss(results, b, n, t).relative, TASKS[0])
-        scores.set(title="scores", ylabel="error / spread over seeds")
+        scores.set(ylabel="error / spread over seeds")
         schedules = (*WORDS, RANDOM)
         _name_chaotic(speeds, results, schedules)
         _against_cost(speeds, results, SIMULATE, schedules, lambda b, n, t: speed_error(results, b, n, t), RANDOM)
-        speeds.set(title="crawling speed", ylabel="relative error")
+        speeds.set(ylabel="relative error")
         policies = list(POLICIES)
         _against_cost(
             returns, results, STEP, policies, lambda b, n, t: return_loss(results, b, n, t).relative, policies[1]
         )
-        returns.set(title="return of a fixed policy", ylabel="error / spread over seeds")
+        returns.set(ylabel="error / spread over seeds")
         for panel in (scores, returns):
             _hundredth(panel)
         _draw_training(training, results)
         _draw_parting(parting, results)
         _draw_statistics(statistics, results)
-        for letter, panel in zip("abcdef", axes.flat, strict=True):
-            panel.set_title(f"({letter})", loc="left", fontweight="bold")
+        for letter, question, panel in zip("abcdef", _QUESTIONS, axes.flat, strict=True):
+            panel.set_title(f"({letter}) {question}", loc="left")
     return figure
 
 
@@ -79,14 +88,12 @@ def _against_cost(panel: Axes, results: Results, job: str, names: Sequence[str],
             if name == labelled and body == _LIVELY:
                 _label_tolerances(panel, cost, errors)
     panel.axvline(1.0, color="0.6", lw=0.7, zorder=0)
-    left, right = panel.get_xlim()
-    panel.set_xlim(left - 0.45 * (right - left), right)  # room for the legend
     default = _DEFAULTS[job]
     panel.set(yscale="log", ylim=(_FLOOR / 3, 10), xlabel=f"cost of {_NAMES[job]} / that at ${_power(default)}$")
     handles = [Line2D([], [], color=color, marker=marker, ls="", ms=3.5, label=name) for name, color, marker in styles]
     handles += [Line2D([], [], color="0.3", lw=0.9, ls=line, label=f"{body} body") for body, line in _LINES.items()]
     handles.append(Line2D([], [], color="0.6", lw=0.7, label=f"default, ${_power(default)}$"))
-    panel.legend(handles=handles, fontsize=6.5, loc="lower left", handlelength=2.2, labelspacing=0.25)
+    panel.legend(handles=handles, fontsize=SMALL, handlelength=2.2, labelspacing=0.25, **_BELOW)
 
 
 def _name_chaotic(panel: Axes, results: Results, schedules: Sequence[str]) -> None:
@@ -97,14 +104,16 @@ def _name_chaotic(panel: Axes, results: Results, schedules: Sequence[str]) -> No
             if not repeatable(results, body, schedule):
                 end = (_cost(results, SIMULATE, body, tightest), speed_error(results, body, schedule, tightest))
                 panel.annotate(
-                    "chaotic", end, xytext=(0, 5), textcoords="offset points", fontsize=6.5, color="0.35", ha="right"
+                    "chaotic", end, xytext=(0, 5), textcoords="offset points", fontsize=SMALL, color="0.35", ha="right"
                 )
 
 
 def _label_tolerances(panel: Axes, cost: Sequence[float], errors: Sequence[float]) -> None:
     for tolerance, x, y in zip(TOLERANCES, cost, errors, strict=True):
+        if tolerance == TOLERANCES[1]:  # there is no room between its neighbours
+            continue
         panel.annotate(
-            f"${_power(tolerance)}$", (x, y), xytext=(5, 3), textcoords="offset points", fontsize=6.5, color="0.35"
+            f"${_power(tolerance)}$", (x, y), xytext=(5, 3), textcoords="offset points", fontsize=SMALL, color="0.35"
         )
 
 
@@ -135,9 +144,9 @@ def _draw_training(panel: Axes, results: Results) -> None:
         panel.plot(across.ravel(), shortfall.ravel(), marker, ms=4, color=color, mfc="none", label=label)
     panel.axhline(0.0, color="0.6", lw=0.7, zorder=0)
     panel.set_xticks(range(len(tolerances)), [f"${_power(tolerance)}$" for tolerance in tolerances])
-    panel.set(title="trained policies", xlabel="tolerance in training", ylabel="reward, less the best of its task (%)")
+    panel.set(xlabel="tolerance in training", ylabel="reward, less the best of its task (%)")
     panel.set(ylim=(min(-1.0, 1.3 * panel.get_ylim()[0]), 0.2))
-    panel.legend(fontsize=6.5, loc="lower left", title="judged at $10^{-12}$", title_fontsize=6.5)
+    panel.legend(fontsize=SMALL, loc="lower left", title="judged at $10^{-12}$", title_fontsize=SMALL)
 
 
 def _draw_parting(panel: Axes, results: Results) -> None:
@@ -148,9 +157,9 @@ def _draw_parting(panel: Axes, results: Results) -> None:
         label = f"$\\Pi_1$ = {duffing}: rate {exponent(results, duffing):.3f}"
         errors = [middle - low, high - middle]
         panel.errorbar(TOLERANCES, middle, errors, marker=marker, ms=3.5, lw=0.9, color=color, label=label)
-    panel.set(xscale="log", title="chaotic: motions part", xlabel="tolerance", ylabel="time until apart ($t_c$)")
+    panel.set(xscale="log", xlabel="tolerance", ylabel="time until apart ($t_c$)")
     panel.invert_xaxis()
-    panel.legend(fontsize=6.5, loc="upper left")
+    panel.legend(fontsize=SMALL, loc="upper left")
 
 
 def _draw_statistics(panel: Axes, results: Results) -> None:
@@ -171,8 +180,8 @@ def _draw_statistics(panel: Axes, results: Results) -> None:
             color=OKABE_ITO[group],
         )
     panel.axhline(0.0, color="0.6", lw=0.7, zorder=0)
-    panel.set_xticks(places, [f"${_power(t)}$" for t in ALL], fontsize=6.5)
-    panel.set(title="chaotic: statistics agree", xlabel="tolerance", ylabel="deviation from their mean (%)")
+    panel.set_xticks(places, [f"{np.log10(t):.0f}".replace("-", "−") for t in ALL])
+    panel.set(xlabel="tolerance, as a power of ten", ylabel="deviation from their mean (%)")
     handles = [
         Line2D([], [], color=color, lw=1.3, label=name) for name, color in zip(STATISTICS, OKABE_ITO, strict=False)
     ]
@@ -180,5 +189,4 @@ def _draw_statistics(panel: Axes, results: Results) -> None:
         Line2D([], [], color="0.3", marker=marker, ls="", ms=2.5, label=f"$\\Pi_1$ = {duffing}")
         for duffing, marker in zip(CHAOTIC, MARKERS, strict=False)
     ]
-    panel.set_ylim(1.45 * panel.get_ylim()[0], None)
-    panel.legend(handles=handles, fontsize=6.5, loc="lower right", ncols=2, labelspacing=0.25)
+    panel.legend(handles=handles, fontsize=SMALL, labelspacing=0.25, **_BELOW)

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_front"]
 
-_COLUMN = (3.5, 3.3)  # inches: a journal's column
-_SMALL = 7
+_SIZE = (4.6, 3.9)  # inches
+_SMALL = 8
 _ISO_LINES = 6
 _CAPACITIES = {
     "memory": "memory capacity (holds)",
@@ -37,7 +37,7 @@ def plot_front(front: Front, *, weight: float = 0.2, ax: Axes | None = None) -> 
     weight : float, in [0, 1]
         Of memory in the reward whose lines of equal reward are drawn.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; a new figure as wide as a column by default.
+        Where to draw; a new figure by default.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def plot_front(front: Front, *, weight: float = 0.2, ax: Axes | None = None) -> 
     policy_color, conditioned_color, limit_color = OKABE_ITO[0], OKABE_ITO[1], OKABE_ITO[7]
     with house_style():
         if ax is None:
-            _, ax = plt.subplots(figsize=_COLUMN, layout="constrained")
+            _, ax = plt.subplots(figsize=_SIZE, layout="constrained")
         limit = front.speed_limit.mean
         every = _means(front.points)
         right, top = 1.12 * max(limit, every[:, 0].max()), 1.12 * every[:, 1].max()
@@ -90,9 +90,9 @@ def plot_front(front: Front, *, weight: float = 0.2, ax: Axes | None = None) -> 
         knee = front.knee
         if knee is not None:
             ax.plot(*knee.mean, "o", ms=11, mfc="none", mec="black", mew=0.9, zorder=5)
-            # Left of it and below nothing else is drawn.
-            ax.annotate("knee", knee.mean, xytext=(-7, -7), textcoords="offset points", ha="right", va="top",
-                        fontsize=_SMALL + 1)  # fmt: skip
+            # Above it no policy is, and neither a line down from one nor that of the limit.
+            ax.annotate("knee", knee.mean, xytext=(0, 8), textcoords="offset points", ha="center", va="bottom",
+                        fontsize=_SMALL)  # fmt: skip
         held_open = next(point for point in front.held if point.kind == "held open")
         ax.plot(*held_open.mean, "D", ms=4, color="0.25", zorder=3)
         ax.annotate("held open", held_open.mean, xytext=(6, 4), textcoords="offset points", fontsize=_SMALL)

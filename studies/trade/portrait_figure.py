@@ -20,7 +20,7 @@ __all__ = ["plot_learned", "plot_schedule", "plot_switching"]
 _HOLDS = 48
 _GRID = 160
 _POINTS = 3000
-_SMALL = 7
+_SMALL = 8
 _Z, _V, _VALVE = 0, 1, 4
 
 

@@ -5,7 +5,7 @@ import pytest
 from matplotlib import pyplot as plt
 from PIL import Image
 
-from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, save_figure
+from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, PAGE_WIDTH, save_figure, SMALL
 
 
 def test_the_colours_are_those_of_okabe_and_ito():
@@ -41,6 +41,18 @@ def test_a_notebook_that_begins_to_show_figures_within_the_block_goes_on_to():
         assert matplotlib.rcParams["font.size"] != 9
     finally:
         plt.ioff()
+
+
+def test_no_letter_of_the_style_is_below_eight_points_and_its_colours_are_those_of_all():
+    with house_style():
+        sizes = {
+            name: value for name, value in matplotlib.rcParams.items() if name.endswith("size") and "label" in name
+        }
+        cycle = [each["color"] for each in matplotlib.rcParams["axes.prop_cycle"]]
+        assert matplotlib.rcParams["legend.fontsize"] == matplotlib.rcParams["legend.title_fontsize"] == SMALL == 8
+    assert min(value for value in sizes.values() if isinstance(value, float | int)) == 8
+    assert tuple(cycle) == OKABE_ITO
+    assert PAGE_WIDTH == 6.5
 
 
 def test_a_figure_is_written_in_every_form_at_the_style_s_resolution_and_closed(tmp_path):

@@ -1,12 +1,15 @@
 """What the figure of a trajectory says and draws, against the trajectory's own numbers and events."""
 
+import re
+
 import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib import colors
 
-from stickslip.common.figures import OKABE_ITO
+from stickslip.common.figures import BODY, OKABE_ITO, OPEN, SLIDES
 from stickslip.crawler import Actuator, simulate, State
+from stickslip.crawler.trajectory_figure import _round_up
 
 mpl.use("Agg")
 
@@ -67,8 +70,14 @@ def spans(axes):
 
 def line(axes, label):
     """Times, values and colour of the one line of that name."""
-    (found,) = [each for each in axes.lines if each.get_label() == label]
+    (found,) = [each for each in axes.lines if each.get_label().split(",")[0] == label]
     return *found.get_data(), found.get_color()
+
+
+def ahead(axes):
+    """How far the payload is drawn in front of where it is, by the legend."""
+    (label,) = [each.get_label() for each in axes.lines if each.get_label().startswith("payload")]
+    return float(re.fullmatch(r"payload, drawn (\S+) .* ahead", label)[1])
 
 
 def words(axes):
@@ -91,20 +100,25 @@ def test_what_is_shaded_slides_and_what_is_not_sticks(motion, drawn):
     for axes in figure.axes[:2]:
         found, shades = spans(axes)
         np.testing.assert_allclose(np.reshape(found, (-1, 2)), np.reshape(slides(motion), (-1, 2)), rtol=0, atol=1e-9)
-        assert shades <= {colors.to_hex("0.9")}
-    assert words(figure.axes[0]) == (["foot slides"] if slides(motion) else []) + ["payload", "foot"]
+        assert shades <= {colors.to_hex(SLIDES)}
+    named = words(figure.axes[0])
+    assert ("foot slides" in named) == bool(slides(motion))
+    assert [name.split(",")[0] for name in named if name != "foot slides"] == ["body", "payload", "foot"]
+    # Grey means that, and nothing else.
+    greys = {colors.to_hex(each) for axes in figure.axes for line in axes.lines for each in [line.get_color()]}
+    assert all(len({each[1:3], each[3:5], each[5:]}) > 1 or each == "#000000" for each in greys)
 
 
 def test_lines_are_the_trajectorys(motion, drawn):
     travel, stretch, drive = drawn(motion).axes
     for axes, label, values, colour in (
-        (travel, "payload", motion.foot + motion.deformation, ORANGE),
+        (travel, "payload", motion.foot + motion.deformation + ahead(travel), ORANGE),
         (travel, "foot", motion.foot, BLUE),
         (drive, "pressure", motion.pressure, PURPLE),
     ):
         times, drawn_values, drawn_colour = line(axes, label)
         np.testing.assert_array_equal(times, motion.time)
-        np.testing.assert_array_equal(drawn_values, values)
+        np.testing.assert_allclose(drawn_values, values, rtol=1e-12, atol=1e-12)
         assert drawn_colour == colour
     curve, zero = stretch.lines
     np.testing.assert_array_equal(curve.get_xdata(), motion.time)
@@ -115,14 +129,31 @@ def test_lines_are_the_trajectorys(motion, drawn):
     assert len(drive.lines) == 1
 
 
+def test_the_payload_never_passes_through_the_foot_and_the_body_lies_between(motion, drawn):
+    travel = drawn(motion).axes[0]
+    _, payload, _ = line(travel, "payload")
+    _, foot, _ = line(travel, "foot")
+    assert (payload > foot).all()
+    (body,) = travel.collections
+    assert colors.to_hex(body.get_facecolor()[0]) == colors.to_hex(BODY)
+    low, high = body.get_paths()[0].vertices[:, 1].min(), body.get_paths()[0].vertices[:, 1].max()
+    assert (low, high) == (pytest.approx(foot.min()), pytest.approx(payload.max()))
+
+
+@pytest.mark.parametrize(("value", "up"), [(0.0, 1.0), (0.9, 1.0), (1.0, 1.0), (1.1, 2.0), (2.5, 5.0), (60.0, 100.0)])
+def test_a_body_is_drawn_as_long_as_a_round_number(value, up):
+    assert _round_up(value) == pytest.approx(up)
+
+
 def test_the_legend_names_what_has_that_colour(drawn):
     travel, _, drive = drawn(MOTIONS["forward"]()).axes
-    slid, payload, foot = travel.get_legend().legend_handles
-    assert colors.to_hex(slid.get_facecolor()) == colors.to_hex("0.9")
+    slid, body, payload, foot = travel.get_legend().legend_handles
+    assert colors.to_hex(slid.get_facecolor()) == colors.to_hex(SLIDES)
+    assert colors.to_hex(body.get_facecolor()) == colors.to_hex(BODY)
     assert (payload.get_color(), foot.get_color()) == (ORANGE, BLUE)
     shown = dict(zip(words(drive), drive.get_legend().legend_handles, strict=True))
     assert shown["pressure"].get_color() == PURPLE
-    assert colors.to_hex(shown["valve open"].get_facecolor()) == colors.to_hex("0.85")
+    assert colors.to_hex(shown["valve open"].get_facecolor()) == colors.to_hex(OPEN)
 
 
 @pytest.mark.parametrize("actuator", [None, Actuator.ecoflex()], ids=["natural", "SI"])
@@ -131,7 +162,7 @@ def test_the_valve_is_open_where_the_schedule_says(actuator, drawn):
     done = simulate({}, duties, hold)
     height, unit = 1.0, 1.0
     if actuator is not None:
-        done, height, unit = done.in_si(actuator), actuator.peak_pressure, actuator.scales.time
+        done, height, unit = done.in_si(actuator), 1e-3 * actuator.peak_pressure, actuator.scales.time
     axes = drawn(done).axes[-1]
     (valve,) = axes.patches
     stairs = valve.get_data()
@@ -147,7 +178,7 @@ def test_the_valve_is_open_where_the_schedule_says(actuator, drawn):
 
 @pytest.mark.parametrize(
     ("actuator", "length", "time", "pressure"),
-    [(None, "$z_c$", "$t_c$", "$P_{max}$"), (Actuator.ecoflex(), "m", "s", "Pa")],
+    [(None, "$z_c$", "$t_c$", "$P_{max}$"), (Actuator.ecoflex(), "mm", "s", "kPa")],
     ids=["natural", "SI"],
 )
 def test_axes_name_quantity_and_unit(actuator, length, time, pressure, drawn):
@@ -158,6 +189,9 @@ def test_axes_name_quantity_and_unit(actuator, length, time, pressure, drawn):
     assert stretch.get_ylabel() == f"stretch $z$ ({length})"
     assert drive.get_ylabel() == f"pressure ({pressure})"
     assert drive.get_xlabel() == f"time ({time})"
+    if actuator is not None:
+        np.testing.assert_allclose(line(travel, "foot")[1], 1e3 * fine.foot)
+        np.testing.assert_allclose(line(drive, "pressure")[1], 1e-3 * fine.pressure)
     end = 8.0 if actuator is None else 8.0 * actuator.scales.time
     for axes in (travel, stretch, drive):
         assert axes.get_xlim() == pytest.approx((0.0, end))

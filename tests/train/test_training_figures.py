@@ -110,6 +110,9 @@ def test_what_has_no_memory_to_show_is_refused():
 ROWS = [Evaluation(100, 0.25, 0.5, 0.125), Evaluation(200, 0.75, 0.875, 1.5), Evaluation(300, 0.5, 0.625, 1.0)]
 
 
+TERMS = {"reward": "reward", "speed": "its speed", "memory": "its memory"}
+
+
 @pytest.fixture
 def table(tmp_path):
     file = tmp_path / "evaluations.csv"
@@ -120,20 +123,33 @@ def table(tmp_path):
 def test_a_learning_curve_is_that_of_its_table(table):
     (ax,) = plot_learning(table).axes
     assert {name: line.get_xydata().tolist() for name, line in drawn(ax).items()} == {
-        name: [[row.steps, getattr(row, name)] for row in ROWS] for name in ("reward", "speed", "memory")
+        label: [[row.steps, getattr(row, name)] for row in ROWS] for name, label in TERMS.items()
     }
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("environment steps", "mean per step")
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["reward", "speed", "memory"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == list(TERMS.values())
     styles = [line.get_linestyle() for line in ax.lines]
     assert len(set(styles)) == 3
     assert drawn(ax)["reward"].get_linestyle() == "-"
 
 
+def test_baselines_are_lines_across_and_noise_is_not_magnified(table):
+    write_evaluations(table, [row._replace(reward=1.0 + 0.001 * row.steps, speed=1.0, memory=1.0) for row in ROWS])
+    (ax,) = plot_learning(table, baselines={"held open": 0.75, "best word": -0.25}).axes
+    lines = drawn(ax)
+    assert set(lines["reward of held open: 0.750"].get_ydata()) == {0.75}
+    assert set(lines["reward of best word: -0.250"].get_ydata()) == {-0.25}
+    assert len({str(line.get_linestyle()) for line in ax.lines[-2:]}) == 2
+    low, high = ax.get_ylim()
+    assert low <= -0.25
+    assert high > 1.3
+    assert plot_learning(table).axes[0].get_ylim()[0] == 0.0
+
+
 def test_terms_that_were_not_told_are_not_drawn(table):
     write_evaluations(table, [row._replace(speed=math.nan) for row in ROWS])
-    assert set(drawn(plot_learning(table).axes[0])) == {"reward", "memory"}
+    assert set(drawn(plot_learning(table).axes[0])) == {"reward", "its memory"}
     write_evaluations(table, [ROWS[0]._replace(speed=math.nan, memory=math.nan), *ROWS[1:]])
-    assert set(drawn(plot_learning(table).axes[0])) == {"reward", "speed", "memory"}
+    assert set(drawn(plot_learning(table).axes[0])) == set(TERMS.values())
 
 
 def test_figures_are_drawn_where_it_is_asked_for(table):

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["plot_information", "plot_profiles"]
 
 _ALPHA = 0.2
+_COLUMNS = 3
 
 
 def plot_profiles(records: Sequence[Record]) -> Figure:
@@ -37,14 +38,16 @@ def plot_profiles(records: Sequence[Record]) -> Figure:
         from matplotlib import pyplot as plt
         from matplotlib.ticker import MaxNLocator
 
-    from ....common.figures import house_style
+    from ....common.figures import house_style, PAGE_WIDTH
 
     titles, styles = order_of(records)
+    columns = min(_COLUMNS, len(titles))
+    rows = -(-len(titles) // columns)
     with house_style():
         figure, axes = plt.subplots(
-            1, len(titles), sharey=True, squeeze=False, figsize=(1.0 + 2.9 * len(titles), 3.4), layout="constrained"
+            rows, columns, sharey=True, squeeze=False, figsize=(PAGE_WIDTH, 0.8 + 2.2 * rows), layout="constrained"
         )
-        for ax, title in zip(axes[0], titles, strict=True):
+        for ax, title in zip(axes.flat, titles, strict=False):
             last = 4
             for reservoir, (color, marker) in styles.items():
                 of_seeds = np.array(
@@ -55,11 +58,14 @@ def plot_profiles(records: Sequence[Record]) -> Figure:
                 ax.plot(mean, marker, ls="-", lw=1, ms=3.5, color=color, label=reservoir)
                 last = max([last, *np.flatnonzero(mean > 0.02).tolist()])
             ax.set(xlabel="delay (samples)", xlim=(-0.5, last + 1.5), ylim=(-0.02, 1.05))
-            ax.set_title(title, loc="left", fontsize=9)
+            ax.set_title(title, loc="left")
             ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-        axes[0, 0].set_ylabel("capacity at this delay")
+        for ax in axes.flat[len(titles) :]:
+            ax.set_axis_off()
+        for ax in axes[:, 0]:
+            ax.set_ylabel("capacity at this delay")
         handles, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(4, len(styles)) if len(titles) < 3 else 7)
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(4, len(styles)))
     return figure
 
 
@@ -80,13 +86,13 @@ def plot_information(records: Sequence[Record]) -> Figure:
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ....common.figures import house_style, OKABE_ITO
+    from ....common.figures import house_style, OKABE_ITO, PAGE_WIDTH
 
     _, styles = order_of(records)
     own = {reservoir: [record for record in records if record.reservoir == reservoir] for reservoir in styles}
     degrees = sorted({degree for record in records for degree in record.details["by degree"]}, key=int)
     with house_style():
-        figure, ax = plt.subplots(figsize=(6.5, 0.9 + 0.42 * len(own)), layout="constrained")
+        figure, ax = plt.subplots(figsize=(PAGE_WIDTH, 1.1 + 0.42 * len(own)), layout="constrained")
         place = np.arange(len(own))
         total = np.zeros(len(own))
         hatches = ("", "///", "...", "xxx")
@@ -106,5 +112,5 @@ def plot_information(records: Sequence[Record]) -> Figure:
         ax.set_xlim(0.0, 1.04 * max([*rank, *total, 1.0]))
         ax.invert_yaxis()
         ax.set_xlabel(UNITS["capacity"])
-        figure.legend(loc="outside upper center", ncols=4)
+        figure.legend(loc="outside upper center", ncols=3)
     return figure

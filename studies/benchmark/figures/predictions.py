@@ -34,7 +34,7 @@ def plot_predictions(records: Sequence[Record], samples: int = 80) -> Figure:
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ....common.figures import house_style
+    from ....common.figures import house_style, PAGE_WIDTH, SMALL
 
     titles, styles = order_of(records)
     preferred = [name for name in _DRAWN_TOGETHER if name in styles]
@@ -43,7 +43,7 @@ def plot_predictions(records: Sequence[Record], samples: int = 80) -> Figure:
     rows = -(-len(titles) // columns)
     with house_style():
         figure, axes = plt.subplots(
-            rows, columns, squeeze=False, figsize=(4.6 * columns, 0.6 + 1.5 * rows), layout="constrained"
+            rows, columns, squeeze=False, figsize=(PAGE_WIDTH, 0.7 + 1.3 * rows), layout="constrained"
         )
         for ax, title in zip(axes.flat, titles, strict=False):
             mine = [record for record in records if record.task == title]
@@ -55,7 +55,7 @@ def plot_predictions(records: Sequence[Record], samples: int = 80) -> Figure:
                 record = of_first[reservoir]
                 ax.plot(record.details["prediction"][:samples], lw=0.9, color=styles[reservoir][0], label=reservoir)
             errors = ", ".join(f"{of_first[name].score:.2f}" for name in drawn)
-            ax.set_title(f"{title}: {errors}", loc="left", fontsize=8.5)
+            ax.set_title(f"{title}: {errors}", loc="left", fontsize=SMALL)
             ax.margins(x=0.01)
         for ax in axes.flat[len(titles) :]:
             ax.set_axis_off()
@@ -64,5 +64,5 @@ def plot_predictions(records: Sequence[Record], samples: int = 80) -> Figure:
         figure.supylabel("target's own unit", fontsize=9)
         handles, labels = axes[0, 0].get_legend_handles_labels()
         order = "a title gives the scores in this order"
-        figure.legend(handles, labels, loc="outside upper center", ncols=4, title=order, title_fontsize=8)
+        figure.legend(handles, labels, loc="outside upper center", ncols=4, title=order)
     return figure

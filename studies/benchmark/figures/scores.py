@@ -39,7 +39,7 @@ def plot_scores(
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ....common.figures import house_style
+    from ....common.figures import house_style, PAGE_WIDTH
 
     titles = list(dict.fromkeys(task for task, _ in found))
     styles = styles_of(list(dict.fromkeys(reservoir for _, reservoir in found)), without=against)
@@ -49,7 +49,7 @@ def plot_scores(
         figure, axes = plt.subplots(
             len(kinds),
             squeeze=False,
-            figsize=(7.5, 0.8 + 0.55 * len(kinds) + 0.42 * len(titles)),
+            figsize=(PAGE_WIDTH, 0.9 + 0.6 * len(kinds) + 0.4 * len(titles)),
             height_ratios=[len(of_kind[kind]) + 0.3 for kind in kinds],
             layout="constrained",
         )
@@ -89,5 +89,5 @@ def plot_scores(
             ax.set_xlabel(difference + UNITS.get(kind, kind))
         figure.align_ylabels()
         handles, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(styles)))
+        figure.legend(handles, labels, loc="outside upper center", ncols=min(3, len(styles)))
     return figure

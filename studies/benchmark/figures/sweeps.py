@@ -32,6 +32,8 @@ SWEPT_LABELS = {
 }
 """Names and units of what can be swept, for an axis."""
 
+_NARROW = 5  # values whose names there is room for in a third of a page
+
 
 def plot_sweep(
     name: str, values: Sequence[float], found: Mapping[str, Sequence[Estimate]], tasks: Mapping[str, Task]
@@ -57,13 +59,17 @@ def plot_sweep(
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ....common.figures import house_style, OKABE_ITO
+    from ....common.figures import house_style, OKABE_ITO, PAGE_WIDTH, SMALL
 
-    columns = min(3, len(found))
+    columns = min(3 if len(values) <= _NARROW else 2, len(found))
     rows = -(-len(found) // columns)
     with house_style():
         figure, axes = plt.subplots(
-            rows, columns, squeeze=False, figsize=(0.5 + 2.9 * columns, 0.3 + 2.4 * rows), layout="constrained"
+            rows,
+            columns,
+            squeeze=False,
+            figsize=(PAGE_WIDTH if columns > 1 else 0.6 * PAGE_WIDTH, 0.3 + 2.0 * rows),
+            layout="constrained",
         )
         for ax, (title, each) in zip(axes.flat, found.items(), strict=False):
             metric = tasks[title].metric
@@ -73,7 +79,7 @@ def plot_sweep(
             if min(values) > 0 and max(values) > 4 * min(values):
                 _log_axis(ax, values)
             ax.set(xlabel=SWEPT_LABELS.get(name, name.replace("_", " ")), ylabel=metric.name)
-            ax.set_title(f"{title} {arrow(tasks[title])}", loc="left", fontsize=9)
+            ax.set_title(f"{title} {arrow(tasks[title])}", loc="left", fontsize=SMALL)
         for ax in axes.flat[len(found) :]:
             ax.set_axis_off()
     return figure
