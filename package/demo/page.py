@@ -1,5 +1,6 @@
 """The page that shows all that the demo made."""
 
+import re
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,8 @@ from ..common.extras import optional_import
 from ..common.files import write_text
 
 __all__ = ["write_page"]
+
+_UNIT = re.compile(r"\b([zt])_c\b")
 
 
 def write_page(file: Path, **content: Any) -> None:
@@ -22,8 +25,14 @@ def write_page(file: Path, **content: Any) -> None:
     """
     with optional_import():
         import jinja2
+        from markupsafe import escape, Markup
+
+    def units(text: object) -> Markup:
+        """Units as they are written: a subscript where plain text has `_`."""
+        return Markup(_UNIT.sub(r"\1<sub>c</sub>", str(escape(text))))
 
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    environment.filters["units"] = units
     template = environment.from_string((resources.files(__package__) / "page.html.jinja").read_text("utf-8"))
     page = template.render(**content)
     write_text(file, page)

@@ -10,6 +10,7 @@ import pytest
 from stickslip.commands import run
 from stickslip.crawler import Groups, simulate
 from stickslip.demo import tour
+from stickslip.demo.page import write_page
 from stickslip.envs import StickSlipCrawlerEnv
 from stickslip.reservoir import memory_capacity
 from stickslip.studies.benchmark import Record, run_benchmark, STANDARD_RESERVOIRS, table
@@ -118,8 +119,7 @@ def test_memories_are_those_of_the_reservoirs_under_random_bits(shown):
         (curve,) = (values for label, values in drawn.items() if label.startswith(f"{name}: "))
         np.testing.assert_array_equal(curve[:, 1], each.profile)
     body = profiles["crawler"]
-    assert f"<b>{body.corrected:.2f}</b>" in shown.page
-    assert f"of {body.bound} possible" in shown.page
+    assert f"<b>{body.corrected:.1f} of {body.bound}</b><span>past valve states" in shown.page
     assert 0 < shown.results["memory capacity"]["crawler"] < shown.results["memory capacity"]["delay line"]
 
 
@@ -143,10 +143,24 @@ def test_scores_are_those_of_five_seeds_and_stand_in_the_page(shown):
 
 def assert_shown(row, shown):
     """A row of a table stands in the page, and on the terminal."""
-    cells = re.findall(r"<tr>(.*?)</tr>", shown.page)
+    cells = re.findall(r"<tr>(.*?)</tr>", re.sub("<sub>c</sub>", "_c", shown.page))
     assert any(re.findall(r"<t[hd]>(.*?)</t[hd]>", each) == row for each in cells), row
     words = re.sub("[│┃ ]+", " ", shown.printed)
     assert " ".join(" ".join(row).split()) in words
+
+
+def test_units_have_subscripts_in_tables_too(shown, tmp_path):
+    assert not re.search(r"\b[zt]_c\b", shown.page)
+    rows = [["speed (z_c/t_c) & <more>"], ["1"]]
+    profile, crawl = SimpleNamespace(corrected=1.0, bound=2), SimpleNamespace(foot=[1.0], time=[2.0], slips=3)
+    content = dict.fromkeys(
+        ("gain", "noiseless", "word", "dither", "weight", "hold", "judges", "holds", "elapsed"), 1.0
+    )
+    content |= {"limit": 1.0, "limit_noisy": 1.0, "seed": 0, "knee": None, "held_open": None, "crawl": crawl}
+    content |= {"tasks": rows, "trade": rows, "areas": rows, "profiles": {"crawler": profile}}
+    write_page(tmp_path / "index.html", **content)
+    page = (tmp_path / "index.html").read_text("utf-8")
+    assert page.count("<th>speed (z<sub>c</sub>/t<sub>c</sub>) &amp; &lt;more&gt;</th>") == 3
 
 
 def test_the_trade_is_that_of_its_folder(shown, trade):
@@ -165,8 +179,8 @@ def test_the_learned_gait_is_measured_and_filmed_without_flips(shown, trade):
     quiet = StickSlipCrawlerEnv(**gait.env_kwargs)
     speed = measure(gait, quiet, steps=SMALL["holds"], seed=SEED)[0].speed
     limit = np.mean(trade.results()[Cell(LIMIT, 0.0)]["speeds"])
-    assert f"<b>{speed:.3f} z<sub>c</sub>/t<sub>c</sub></b>" in shown.page
-    assert f"{100 * speed / limit:.1f}% of the fastest that is possible" in shown.page
+    assert f"reaches: {speed:.3f} z<sub>c</sub>/t<sub>c</sub></span>" in shown.page
+    assert f"<b>{100 * speed / limit:.1f}%</b><span>of the fastest crawl that is possible" in shown.page
     assert (
         f"speed policy without dither: {speed:.4f} z_c/t_c, {speed / limit:.1%} of the limit ({limit:.4f})"
     ) in shown.printed
@@ -179,7 +193,7 @@ def test_the_learned_gait_is_measured_and_filmed_without_flips(shown, trade):
 def test_how_long_it_took_and_the_seed_are_told(shown):
     assert shown.results["seed"] == SEED
     took = f"{shown.results['seconds']:.0f} s"
-    assert f"<b>{took}</b><span>for all on this page, seed {SEED}</span>" in shown.page
+    assert f"All on this page took {took}, seed {SEED}." in shown.page
     assert f"all of it in {took}: open {shown.folder / 'index.html'}" in shown.printed
 
 

@@ -252,13 +252,18 @@ def test_a_report_is_of_the_checkpoint_steps_and_seed_asked_for(kept, drawn, tmp
     gait = lines(drawn["gait.png"])
     begin = motion.foot[10_000 - 1]
     np.testing.assert_allclose(gait["foot"][:, 1][-800:], motion.foot[10_000:] - begin, atol=1e-3)
-    np.testing.assert_allclose(gait["payload"][:, 1][-800:], motion.payload[10_000:] - begin, atol=1e-3)
+    [(label, payload)] = [(name, values) for name, values in gait.items() if name.startswith("payload")]
+    ahead = float(label.split()[2])
+    np.testing.assert_allclose(payload[:, 1][-800:], motion.payload[10_000:] - begin + ahead, atol=1e-3)
     np.testing.assert_allclose(gait["pressure"][:, 1][-800:], motion.pressure[10_000:], atol=1e-6)
     np.testing.assert_allclose(gait["foot"][:, 0][-800:], motion.time[:800], atol=1e-9)
 
     evaluations = read_evaluations(kept.folder / "evaluations.csv")
-    for name, values in lines(drawn["learning.png"]).items():
-        assert values.tolist() == [[each.steps, getattr(each, name)] for each in evaluations]
+    learning = lines(drawn["learning.png"])
+    for name, label in {"reward": "reward", "speed": "its speed", "memory": "its memory"}.items():
+        assert learning.pop(label).tolist() == [[each.steps, getattr(each, name)] for each in evaluations]
+    baselines = json.loads((folder / "report.json").read_text(encoding="utf-8"))["baselines"]
+    assert set(learning) == {f"reward of {name}: {np.mean(each['reward']):.3f}" for name, each in baselines.items()}
     (memory,) = (values for name, values in lines(drawn["memory.png"]).items() if name.startswith("policy: "))
     assert memory[:, 1].tolist() == measured.memory.profile.tolist()
 

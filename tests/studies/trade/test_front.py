@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from policies_by_hand import negation
 
+from stickslip.common.figures import PAGE_WIDTH
 from stickslip.reservoir.targets import TARGETS
 from stickslip.studies.trade import report
 from stickslip.studies.trade.figure import plot_front
@@ -226,7 +227,21 @@ def test_the_figure_shows_every_point_and_what_bounds_them():
         assert np.ptp(0.75 * line[:, 0] + 0.25 * line[:, 1]) == pytest.approx(0)
     assert {text.get_text() for text in ax.texts} == {"speed limit", "knee", "held open"}
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed ($z_c / t_c$)", "memory capacity (holds)")
-    assert figure.get_size_inches()[0] == 3.5  # a column
+    assert figure.get_size_inches()[0] <= PAGE_WIDTH
+
+
+def test_the_knee_s_name_touches_no_line():
+    found = (0.74, 3.25, 0.4), (0.71, 3.3, 0.5), (0.83, 2.4, 0.0)
+    near = [point(TRAINED, "a", speed, memory, weight=weight, seed=0) for speed, memory, weight in found]
+    figure = plot_front(a_front(policies=near))
+    figure.canvas.draw()
+    (ax,) = figure.axes
+    (name,) = [text for text in ax.texts if text.get_text() == "knee"]
+    box = name.get_window_extent()
+    solid = [line for line in ax.lines if line.get_linestyle() in ("-", "--")]
+    for line in solid:
+        path = line.get_transform().transform_path(line.get_path())
+        assert not path.intersects_bbox(box, filled=False), line.get_label()
 
 
 def test_a_front_without_policies_is_drawn_by_what_there_is_and_by_speed_alone_where_memory_weighs_nothing():
