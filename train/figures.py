@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import cycle
 from pathlib import Path
-from typing import cast, TYPE_CHECKING
+from typing import Any, cast, TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_learning", "plot_trade"]
 
-_DASHES = "--", "-.", (0, (1, 1)), (0, (6, 2, 1, 2, 1, 2))  # of lines across
+_DASHES: tuple[Any, ...] = "--", "-.", (0, (1, 1)), (0, (6, 2, 1, 2, 1, 2))  # of lines across
 
 
 def plot_trade(
@@ -110,8 +110,8 @@ def plot_learning(table: Path, *, baselines: Mapping[str, float] | None = None, 
             values = [getattr(each, name) for each in evaluations]
             if not np.isnan(values).all():  # a table from before it had them
                 ax.plot(steps, values, style, color=color, lw=1.3, label=f"its {name}")
-        for (name, reward), style in zip(lines.items(), cycle(_DASHES)):
-            ax.axhline(reward, color="0.3", lw=0.9, ls=style, zorder=0, label=f"reward of {name}: {reward:.3f}")
+        for (name, reward), dashes in zip(lines.items(), cycle(_DASHES), strict=False):
+            ax.axhline(reward, color="0.3", lw=0.9, ls=dashes, zorder=0, label=f"reward of {name}: {reward:.3f}")
         low, high = ax.get_ylim()
         ax.set(xlabel="environment steps", ylabel="mean per step", ylim=(min(low, 0.0), max(high, 0.0)))
         ax.legend(loc="upper left", bbox_to_anchor=(0, -0.18), ncols=3)
