@@ -28,7 +28,7 @@ of the tests as they stood then, and what the tests of now would do with faults 
 `{command}` tried them on the revisions that the table names, and
 `python benchmarks/mutation.py --page` wrote this page, with seed {seed}; brackets are Wilson's 95% intervals. Without
 `--page` it tries more, and goes on where it stopped. After a change of a module, or of the tests of its folder, its
-faults are tried anew."""
+faults are tried anew. A revision that is `-dirty` had what was written for its survivors, too."""
 
 
 def wilson(noticed: int, tried: int) -> tuple[float, float]:

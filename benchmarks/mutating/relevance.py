@@ -42,10 +42,11 @@ def reached(baseline: Mapping[str, Any], file: str, mutant: Mutant) -> bool | No
 def able(tree: Path, baseline: Mapping[str, Any], file: str, mutant: Mutant, tests: Iterable[str]) -> list[str]:
     """The test files that can notice a fault: those that run its line, or start processes, which nobody watches.
 
-    Where nobody knows who runs the line, in compiled functions and while modules are imported, that is all of them.
+    Where nobody knows who runs the line, in compiled functions and while modules are imported, that is all of them, and
+    where none was seen to, since default arguments have lines that nobody runs.
     """
     runs = {test for test, lines in baseline["reached"].items() if mutant.line in lines.get(_module_file(file), ())}
-    if reached(baseline, file, mutant) is None or AT_IMPORT in runs:
+    if not reached(baseline, file, mutant) or AT_IMPORT in runs:
         return list(tests)
     return [test for test in tests if test in runs or _starts_processes(tree / test)]
 

@@ -300,7 +300,8 @@ def test_only_files_that_run_the_line_can_notice_unless_nobody_knows_who_does(to
     some = {"reached": {tests[0]: {"common/scale.py": [2]}, "import": {"common/scale.py": [1, 5]}}, "stale": []}
     assert relevance.able(toy, some, "common/scale.py", mutant, tests) == tests[:2]
     everywhere = some | {"reached": {"import": {"common/scale.py": [1, 2]}}}
-    for unknown in (everywhere, some | {"stale": ["common/scale.py"]}):
+    nowhere = some | {"reached": {}}
+    for unknown in (everywhere, nowhere, some | {"stale": ["common/scale.py"]}):
         assert relevance.able(toy, unknown, "common/scale.py", mutant, tests) == tests
     compiled = replace(mutant, compiled=True)
     assert relevance.able(toy, some, "common/scale.py", compiled, tests) == tests
