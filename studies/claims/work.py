@@ -85,6 +85,15 @@ def claim(work: Work) -> Claim:
             "least loss in a cycle from rest": Number(study.least_loss, unit="P_max A_0 z_c"),
             f"mean of exp(-beta W), beta = {_AT:g}, energy conserved": Number(conserving.mean, *conserving.interval),
             f"mean of exp(-beta W), beta = {_AT:g}, crawler": Number(crawler.mean, *crawler.interval),
+            "least W_diss over all beta, crawler": Number(
+                min(each.dissipated for each in study.crawler.values()), unit="P_max A_0 z_c"
+            ),
+        }
+        | {
+            f"runs that carry the average, of {study.cycles.size}, beta = {beta:g}, crawler": Number(
+                study.crawler[beta].samples
+            )
+            for beta in (BETAS[0], _AT, BETAS[-1])
         },
         "stickslip reproduce work",
         {

@@ -89,6 +89,11 @@ def test_verdicts_follow_the_numbers():
     low, high = told["C8"].numbers["foot, without"].low, told["C8"].numbers["foot, without"].high
     assert (low, high) == pytest.approx((0.15 - 4.302653 * 0.015 / 3**0.5, 0.15 + 4.302653 * 0.015 / 3**0.5), rel=1e-5)
 
+    assert made(quadratic={"rest": 0.0, "the mean": 0.0})["C7"].verdict == "not reproduced"
+    assert made(quadratic={"rest": -0.9, "the mean": -0.9})["C7"].verdict == "not reproduced"
+    mended = dict.fromkeys(laws.WAYS, np.full(3, 0.15)) | {"offset removed": np.full(3, 0.05)}
+    assert made(by_way=mended)["C7"].verdict == "not reproduced"
+
     easy = dict.fromkeys(laws.WAYS, np.full(3, 0.01))
     assert made(by_way=easy)["C6"].verdict == "not reproduced"
     helped = dict.fromkeys(laws.WAYS, np.full(3, 0.15)) | {"max(0, p') and sign(p')": np.full(3, 0.05)}
