@@ -90,8 +90,8 @@ def differences(kept: Any, asked: Any, *, growing: Collection[str] = ()) -> list
     Returns
     -------
     list of Difference
-        Of mappings, entry by entry. Numbers of an entry "probe" are measured, and the same where they agree to a
-        thousandth: another computer adds up in another order, and chaos multiplies the difference.
+        Of mappings, entry by entry. Numbers of an entry "probe", or within one, are measured, and the same where they
+        agree to a thousandth: another computer adds up in another order, and chaos multiplies the difference.
     """
     return list(_differences("", kept, asked, growing))
 
@@ -109,11 +109,13 @@ def refuse_other(purpose: str, kept: Any, asked: Any, *, growing: Collection[str
     Raises
     ------
     ValueError
-        If they differ. The message names every difference, what is kept and what was asked for.
+        If they differ. The message names every difference, what is kept and what was asked for; of entries "probe",
+        which follow from the others, only where nothing else differs.
     """
     found = differences(kept, asked, growing=growing)
     if found:
-        raise ValueError("; ".join(f"{name} must be {was!r} {purpose}, got {now!r}" for name, was, now in found))
+        told = [each for each in found if not _is_measured(each.name)] or found
+        raise ValueError("; ".join(f"{name} must be {was!r} {purpose}, got {now!r}" for name, was, now in told))
 
 
 def rounded(measured: float) -> float | str:
@@ -125,7 +127,7 @@ def rounded(measured: float) -> float | str:
 
 def _differences(name: str, kept: Any, asked: Any, growing: Collection[str]) -> Iterator[Difference]:
     if not (isinstance(kept, Mapping) and isinstance(asked, Mapping)):
-        if not _same(kept, asked, measured=name.rpartition(".")[2] == "probe"):
+        if not _same(kept, asked, measured=_is_measured(name)):
             yield Difference(name, kept, asked)
         return
     for key in dict.fromkeys((*asked, *kept)):
@@ -134,6 +136,10 @@ def _differences(name: str, kept: Any, asked: Any, growing: Collection[str]) -> 
         yield from _differences(
             f"{name}.{key}" if name else str(key), kept.get(key, ABSENT), asked.get(key, ABSENT), growing
         )
+
+
+def _is_measured(name: str) -> bool:
+    return "probe" in name.split(".")
 
 
 def _same(kept: Any, asked: Any, measured: bool) -> bool:

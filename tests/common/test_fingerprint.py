@@ -93,6 +93,16 @@ def test_a_refusal_names_every_difference():
     refuse_other("to go on with it", {"a": 1}, {"a": 1})
 
 
+@pytest.mark.parametrize(
+    ("was", "now"), [(1.0, 2.0), ({"speed": 1.0}, {"speed": 2.0}), ({"speed": 1.0}, {"work": 1.0})]
+)
+def test_what_was_measured_is_named_where_nothing_else_differs(was, now):
+    with pytest.raises(ValueError, match=r"^hold must be 1 again, got 2$"):
+        refuse_other("again", {"hold": 1, "probe": was}, {"hold": 2, "probe": now})
+    with pytest.raises(ValueError, match=r"^probe.* must be .* again, got "):
+        refuse_other("again", {"hold": 1, "probe": was}, {"hold": 1, "probe": now})
+
+
 def test_rounding_forgets_rounding_errors_and_nothing_more():
     assert rounded(1 / 3) == rounded(1 / 3 + 1e-13) == 0.333333
     assert rounded(0.33334) != rounded(1 / 3)
@@ -107,6 +117,7 @@ def test_measured_numbers_are_the_same_where_another_computer_would_make_them():
     assert not differ(0.647278, 0.647309)
     assert not differ([1.0, 2.0], [1.0005, 2.0])
     assert not differ("nan", "nan")
+    assert not differ({"speed": 0.647278}, {"speed": 0.647309})
     assert differ(0.647278, 0.649)
     assert differ([1.0, 2.0], [1.0, 2.01])
     assert differ([1.0], [1.0, 1.0])
@@ -189,7 +200,7 @@ def test_the_same_is_told_from_nearly_the_same():
     assert differ(1000, 1001) != []
     assert differ(1000, 1000.5) != []
     assert differ(1.0, 1.0001, name="a.other_probe") != []
-    assert differ(1.0, 1.0001, name="probe.a") != []
+    assert differ(1.0, 1.0001, name="probe.a") == []
     assert differ([[1.0, "x"]], [[1.0005, "x"]]) == []
     assert differ([[1.0, "x"]], [[1.0005, "y"]]) != []
     assert differ([1.0], 1.0) != []
