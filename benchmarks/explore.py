@@ -36,7 +36,6 @@ QUERIES = {
     "a slider of the body, a word": ("?dither=0.1", "duffing"),
     "a slider of the body, SI": ("?units=SI", "deborah"),
     "the hold, a word": ("", "hold"),
-    "the tolerance, 1e-15 to 1e-2": ("", "tolerance"),
     "a slider of the body, a policy": ("?drive=policy&policy=knee", "duffing"),
     "the hold, a policy": ("?drive=policy&policy=conditioned", "hold"),
 }

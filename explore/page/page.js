@@ -24,7 +24,7 @@ window.stickslip = (() => {
     sources.asked.data = { json: [JSON.stringify({ number, actions })] }
     actions = []
     clearTimeout(silence)
-    silence = setTimeout(() => say("No answer yet: is `stickslip explore` still running, and is the machine very busy?"), 8000)
+    silence = setTimeout(() => say("No answer yet. The first use of a solver, or of an order of its series, compiles it, up to a minute once; or `stickslip explore` has ended."), 8000)
   }
 
   function say(sentence) {

@@ -41,6 +41,7 @@ TABLES = {
     "condition_cost": lambda script, results: {"condition": script.table(results["ratios"])},
     "edge": lambda script, results: script.tables(results),
     "encodings": lambda script, results: {"encodings": script.markdown(results["rows"])},
+    "explore": lambda script, results: {"answers": script.table(results["milliseconds"])},
     "exponents": lambda script, results: script.tables(results),
     "extremes": lambda script, results: {"extremes": script.table(results)},
     "front": lambda script, results: script.tables(results),
