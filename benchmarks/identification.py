@@ -189,10 +189,13 @@ def tables(results: dict[str, Any]) -> dict[str, str]:
     experiments = list(results["experiments"].values())
     seconds = [each["seconds"] for each in experiments]
     low, middle, high = np.quantile(seconds, [0.05, 0.5, 0.95])
+    plain = [each["errors"]["static_friction"] for each in experiments if not each["warned"]]
+    close = sum(abs(error) < 0.02 for error in plain)
     return {
         "coverage": coverage_table(experiments)
         + f"\n\n{len(experiments)} experiments; a fit took {middle:.2f} s of one processor in the median, "
-        f"{low:.2f} to {high:.2f} in nine of ten.",
+        f"{low:.2f} to {high:.2f} in nine of ten. In {len(experiments) - len(plain)} of them a warning said that the "
+        f"static friction may be next to the kinetic one; of the others it was within 2% in {close} of {len(plain)}.",
         "gaits": foretold_table(list(results["gaits"].values())),
     }
 
