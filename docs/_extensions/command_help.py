@@ -23,7 +23,10 @@ def _fill_in(_app: Sphinx, _document: str, source: list[str]) -> None:
 
 
 def _sections() -> Iterator[str]:
-    import typer
+    from stickslip.common.extras import optional_import
+
+    with optional_import():
+        import typer
 
     from stickslip.commands import app
 
