@@ -5,7 +5,10 @@ import sys
 
 __all__ = ["STAND_INS", "say_what_can_be_said"]
 
-STAND_INS = {"±": "+-", "≤": "<=", "≥": ">=", "✗": "x", "×": "x", "µ": "u", "–": "-", "…": "...", "↑": "^", "↓": "v"}
+STAND_INS = {
+    "±": "+-", "≤": "<=", "≥": ">=", "✗": "x", "×": "x", "µ": "u", "–": "-", "−": "-", "…": "...", "↑": "^", "↓": "v",
+    "Π": "Pi", "λ": "lambda", "₁": "1", "₂": "2", "₄": "4",
+}  # fmt: skip
 """ASCII for the signs that commands print."""
 
 _ERRORS = "stickslip.stand_ins"

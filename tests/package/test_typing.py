@@ -19,6 +19,7 @@ pytestmark = pytest.mark.xdist_group("typing")  # one installation of each kind 
 
 ROOT = Path(__file__).parents[2]
 INSTALLED = ("pyproject.toml", "README.md", "LICENSE", "src")
+SUFFIXES = (".py", ".yml", ".jinja", ".json", ".safetensors", ".css", ".js", ".html", ".mplstyle")
 FOLDERS = (
     "package",
     "explore",
@@ -103,7 +104,7 @@ def files_of_the_package():
     for folder in FOLDERS:
         for at, _, names in os.walk(ROOT / folder):
             for file in (Path(at) / name for name in names if "__pycache__" not in at):
-                if file.suffix in (".py", ".yml", ".jinja", ".json", ".safetensors") or file.name == "py.typed":
+                if file.suffix in SUFFIXES or file.name == "py.typed":
                     yield str(file.relative_to(ROOT / folder if folder == "package" else ROOT))
 
 
