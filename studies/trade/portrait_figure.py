@@ -117,7 +117,14 @@ def plot_switching(of: Portrait, ax: Axes) -> None:
     # As one writes a word: the oldest first.
     word = "".join(str(int(state)) for state in past[::-1])
     ax.set(xlabel="deformation ($z_c$)", ylabel="velocity ($z_c / t_c$)")
-    ax.legend(title=f"after {word} it", fontsize=_SMALL, title_fontsize=_SMALL, markerscale=3)
+    ax.legend(
+        loc="lower left",
+        title=f"after {word} it",
+        fontsize=_SMALL,
+        title_fontsize=_SMALL,
+        markerscale=3,
+        borderaxespad=0.1,
+    )
 
 
 def telling_past(pasts: NDArray[np.float32], asked: NDArray[np.int64]) -> NDArray[np.float32]:
