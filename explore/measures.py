@@ -5,11 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..crawler import lyapunov_spectrum, LyapunovSpectrum, simulate
+from ..crawler import lyapunov_spectrum, LyapunovSpectrum
 from ..reservoir import memory_capacity, MemoryCapacity
 from ..tasks import body_states, innovation
 from .driving import driven
 from .hearing import heard
+from .motion import moved
 from .setup import Setup
 
 __all__ = ["DELAYS", "LONG", "NODES", "WASHOUT", "LongRun", "exponents_of", "long_run", "profile_of"]
@@ -52,16 +53,7 @@ def long_run(setup: Setup) -> LongRun:
         As `simulate`.
     """
     command, valve = driven(setup, LONG)
-    motion, warning = heard(
-        lambda: simulate(
-            setup.groups,
-            valve,
-            setup.hold,
-            scene=setup.scene,
-            tolerance=setup.tolerance,
-            samples_per_hold=NODES,
-        )
-    )
+    motion, warning = moved(setup, valve, NODES)
     speed = float(motion.foot[-1] / (LONG * setup.hold))
     if setup.dither == 0.0:
         return LongRun(speed, None, warning, valve)

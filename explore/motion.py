@@ -13,7 +13,7 @@ from .hearing import heard
 from .setup import Setup
 from .units import Units, units_of
 
-__all__ = ["MOST_LIVE", "WHAT", "Shown", "events_of", "samples_of", "shown", "shown_holds", "trace_of"]
+__all__ = ["MOST_LIVE", "WHAT", "Shown", "events_of", "moved", "samples_of", "shown", "shown_holds", "trace_of"]
 
 Array = NDArray[np.float64]
 
@@ -49,6 +49,20 @@ def samples_of(hold: float) -> int:
     return int(np.clip(math.ceil(hold / _STEP), *_SAMPLES))
 
 
+def moved(setup: Setup, valve: NDArray[np.int64], samples_per_hold: int) -> tuple[Trajectory, str]:
+    """The motion of a setup's body under given valve states, (holds,), and what the solver warned of."""
+    return heard(
+        lambda: simulate(
+            setup.groups,
+            valve,
+            setup.hold,
+            scene=setup.scene,
+            tolerance=setup.tolerance,
+            samples_per_hold=samples_per_hold,
+        )
+    )
+
+
 def shown(setup: Setup, bits: Sequence[int] = ()) -> Shown:
     """Simulate what a page shows of a setup.
 
@@ -71,16 +85,7 @@ def shown(setup: Setup, bits: Sequence[int] = ()) -> Shown:
         command = valve = np.array(bits, np.int64)
     else:
         command, valve = driven(setup, shown_holds(setup.hold))
-    motion, doubt = heard(
-        lambda: simulate(
-            setup.groups,
-            valve,
-            setup.hold,
-            scene=setup.scene,
-            tolerance=setup.tolerance,
-            samples_per_hold=samples_of(setup.hold),
-        )
-    )
+    motion, doubt = moved(setup, valve, samples_of(setup.hold))
     return Shown(motion, command, doubt)
 
 

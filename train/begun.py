@@ -9,23 +9,21 @@ from numpy.typing import NDArray
 from ..common.extras import optional_import
 from ..envs import StickSlipCrawlerVectorEnv
 from .episodes import long_episode
+from .imitation import CRAWLERS, fit, optimizer_of
 from .scores import judging
 
 with optional_import():
     import torch
     from stable_baselines3.common.policies import ActorCriticPolicy
-    from torch import nn
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
 __all__ = ["Teacher", "begin_from"]
 
-_CRAWLERS, _HOLDS = 64, 300
-_BATCH, _UPDATES, _LEARNING_RATE = 1024, 600, 3e-3
+_HOLDS, _UPDATES = 300, 600
 # How often it does otherwise than what it imitates: enough to try what lies near.
 _OTHERWISE = 0.05
-
 
 Teacher = Callable[[NDArray[np.float32]], NDArray[np.int64]]
 """Takes the observations (n, d) of n crawlers, and gives the commands (n,) of 0 and 1, as `Policy.predict` does."""
@@ -63,17 +61,15 @@ def begin_from(model: "BaseAlgorithm", teacher: Teacher, env_kwargs: dict[str, A
             f"a training that begins with a policy must be of an actor and a critic, got {type(policy).__name__}"
         )
     generator = np.random.default_rng(seed)
-    seen, wanted = (torch.from_numpy(each) for each in _shown(teacher, env_kwargs, generator))
-    optimizer = torch.optim.Adam(
-        [*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters()], _LEARNING_RATE
-    )
-    for _ in range(_UPDATES):
-        chosen = torch.from_numpy(generator.integers(len(seen), size=_BATCH))
-        acting: Any = policy.get_distribution(seen[chosen]).distribution
-        loss = nn.functional.cross_entropy(acting.logits, wanted[chosen], label_smoothing=2 * _OTHERWISE)
-        optimizer.zero_grad()
-        loss.backward()
-        optimizer.step()
+    seen, wanted = _shown(teacher, env_kwargs, generator)
+    optimizer = optimizer_of([*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters()])
+
+    def logits(states: torch.Tensor) -> torch.Tensor:
+        acting: Any = policy.get_distribution(states).distribution
+        chances: torch.Tensor = acting.logits
+        return chances
+
+    fit(logits, optimizer, seen, wanted, _UPDATES, generator, smoothing=2 * _OTHERWISE)
 
 
 def _shown(
@@ -88,7 +84,7 @@ def _shown(
         answers.append(teacher(observations))
         return answers[-1] ^ (generator.random(len(observations)) < _OTHERWISE)
 
-    batch = StickSlipCrawlerVectorEnv(_CRAWLERS, **judging(env_kwargs), max_episode_steps=None)
+    batch = StickSlipCrawlerVectorEnv(CRAWLERS, **judging(env_kwargs), max_episode_steps=None)
     for _ in long_episode(batch, act, _HOLDS, seed=int(generator.integers(2**31))):
         pass
     return np.concatenate(states), np.concatenate(answers)

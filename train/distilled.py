@@ -12,6 +12,7 @@ from ..common.threads import library_threads
 from ..common.validation import whole_number
 from ..envs import StickSlipCrawlerVectorEnv
 from .episodes import long_episode
+from .imitation import CRAWLERS, fit, optimizer_of
 from .policies.policy import Layer, Policy
 from .scores import judging
 
@@ -21,9 +22,6 @@ with optional_import():
 
 __all__ = ["best_at", "distil"]
 
-_CRAWLERS = 64
-_BATCH = 1024
-_LEARNING_RATE = 3e-3
 # At which the teachers are looked up that a description names: those that are the best nowhere have taught nothing.
 _WEIGHTS_TOLD = 1001
 
@@ -102,19 +100,12 @@ def distil(
     with library_threads(1), torch.random.fork_rng():
         torch.manual_seed(seed)
         network = _perceptron([inputs, *hidden, 2])
-        optimizer = torch.optim.Adam(network.parameters(), _LEARNING_RATE)
+        optimizer = optimizer_of(network.parameters())
         for k in range(rounds):
             pupil = network if k else None
             states, answers = _crawl(policies, pupil, holds, generator)
             seen, wanted = np.concatenate([seen, states]), np.concatenate([wanted, answers])
-            for _ in range(updates):
-                chosen = generator.integers(len(seen), size=_BATCH)
-                loss = nn.functional.cross_entropy(
-                    network(torch.from_numpy(seen[chosen])), torch.from_numpy(wanted[chosen])
-                )
-                optimizer.zero_grad()
-                loss.backward()
-                optimizer.step()
+            fit(network, optimizer, seen, wanted, updates, generator)
     del description["env_kwargs"]["memory_weight"]
     description |= {
         "conditioned": True,
@@ -151,19 +142,19 @@ def _crawl(
     policies: Sequence[Policy], pupil: nn.Module | None, holds: int, generator: np.random.Generator
 ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
     """What is seen, the weight beside it, as the pupil crawls or else its teachers, and what these would do there."""
-    weight = (generator.permutation(_CRAWLERS) + generator.random(_CRAWLERS)) / _CRAWLERS
+    weight = (generator.permutation(CRAWLERS) + generator.random(CRAWLERS)) / CRAWLERS
     # Half of them as above, half among the small weights, where the front bends.
     weight[::2] *= 0.5 * weight[::2]
     teacher = best_at(policies, weight)
     arguments: dict[str, Any] = judging(policies[0].env_kwargs)
-    batch = StickSlipCrawlerVectorEnv(_CRAWLERS, **arguments, max_episode_steps=None)
+    batch = StickSlipCrawlerVectorEnv(CRAWLERS, **arguments, max_episode_steps=None)
     states: list[NDArray[np.float32]] = []
     answers: list[NDArray[np.int64]] = []
 
     def act(_: int, observation: NDArray[np.float32]) -> NDArray[np.int64]:
         each = np.stack([policy.predict(observation) for policy in policies])
         states.append(np.column_stack([observation, weight]).astype(np.float32))
-        answers.append(each[teacher, np.arange(_CRAWLERS)])
+        answers.append(each[teacher, np.arange(CRAWLERS)])
         if pupil is None:
             return answers[-1]
         with torch.no_grad():

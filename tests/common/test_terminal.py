@@ -6,29 +6,14 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from checkout import FOLDERS, ROOT
 
 from stickslip.commands import app, run
 from stickslip.common.terminal import say_what_can_be_said, STAND_INS
 
-ROOT = Path(__file__).parents[2]
-FOLDERS = (
-    "package",
-    "explore",
-    "studies",
-    "train",
-    "envs",
-    "tasks",
-    "crawler",
-    "reservoir",
-    "robot",
-    "compiling",
-    "common",
-    "benchmarks",
-    "docs",
-)
+WRITTEN = (*FOLDERS, "benchmarks", "docs")
 WRITERS = {"write_text": 1, "read_text": 0, "open": 1, "loadtxt": None, "savetxt": None, "genfromtxt": None}
 # All that makes Python guess UTF-8 switched off.
 PLAIN = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONIOENCODING": ""}
@@ -145,7 +130,7 @@ def without_encoding(tree):
 
 
 def test_every_text_file_has_an_encoding():
-    files = [file for folder in FOLDERS for file in (ROOT / folder).rglob("*.py")]
+    files = [file for folder in WRITTEN for file in (ROOT / folder).rglob("*.py")]
     assert len(files) > 100
     for file in files:
         assert not list(without_encoding(ast.parse(file.read_text(encoding="utf-8")))), file

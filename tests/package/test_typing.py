@@ -9,6 +9,7 @@ from pathlib import Path
 
 import mypy
 import pytest
+from checkout import FOLDERS, ROOT
 
 import stickslip
 import stickslip.crawler
@@ -17,22 +18,8 @@ import stickslip.train
 
 pytestmark = pytest.mark.xdist_group("typing")  # one installation of each kind is enough
 
-ROOT = Path(__file__).parents[2]
 INSTALLED = ("pyproject.toml", "README.md", "LICENSE", "src")
 SUFFIXES = (".py", ".yml", ".jinja", ".json", ".safetensors", ".css", ".js", ".html", ".mplstyle")
-FOLDERS = (
-    "package",
-    "explore",
-    "studies",
-    "train",
-    "envs",
-    "tasks",
-    "crawler",
-    "reservoir",
-    "robot",
-    "compiling",
-    "common",
-)
 HOW = {"development": ["--editable"], "wheel": []}
 
 USER_CODE = """
