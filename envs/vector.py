@@ -239,13 +239,10 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
             over = np.flatnonzero(idle).tolist()
             raise ResetNeeded(f"the episodes of sub-environments {over} are over; reset them with a reset_mask")
         self._begun[:] = False  # until the step has succeeded
-        filmed = {i: film for i, film in self._films.items() if not idle[i]}
-        for i, film in filmed.items():
-            self._engine.follow(film, i)
-        weights = {i: self._engine.weights(i) for i in filmed}
-        self._engine.step(commands, idle)
-        for i, film in filmed.items():
-            self._engine.film(film, i, weights[i])
+        if self._films:
+            self._step_filmed(commands, idle)
+        else:
+            self._engine.step(commands, idle)
         self._begun[:] = True
 
         results = self._engine.results
@@ -517,17 +514,26 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.copy() if self._copy else array
 
+    def _step_filmed(self, commands: NDArray[np.int64], idle: NDArray[np.bool_]) -> None:
+        """Step, and have the films go on."""
+        filmed = {i: film for i, film in self._films.items() if not idle[i]}
+        for i, film in filmed.items():
+            self._engine.follow(film, i)
+        weights = {i: self._engine.weights(i) for i in filmed}
+        self._engine.step(commands, idle)
+        for i, film in filmed.items():
+            self._engine.film(film, i, weights[i])
+
     def _told(self, mask: NDArray[np.bool_], *, copy: bool = False) -> dict[str, Any]:
         """Infos in Gymnasium's form: zero, and not in the mask beside them, for those who do not have them."""
         results = self._engine.results
         if np.count_nonzero(mask) == len(mask):
-            numbers, counts = (
-                array.copy() if copy else self._own(array) for array in (results.numbers, results.counts)
-            )
+            own = np.copy if copy else self._own
+            numbers, counts = own(results.numbers), own(results.counts)
         else:
             numbers, counts = np.where(mask, results.numbers, 0.0), np.where(mask, results.counts, 0)
         # Rows of one array, which cost a third of an array each.
-        having = np.repeat(mask[np.newaxis], len(_HAVING) + len(_GROUPS_HAVING), axis=0)
+        having = np.full((len(_HAVING) + len(_GROUPS_HAVING), len(mask)), mask)
         infos: dict[str, Any] = dict(zip(_HAVING, having, strict=False))
         groups: dict[str, Any] = dict(zip(_GROUPS_HAVING, having[len(_HAVING) :], strict=True))
         groups |= zip(Groups.__slots__, numbers[len(NUMBERS) : -1], strict=True)

@@ -36,11 +36,12 @@ def commands_of(actions: ArrayLike, count: int) -> NDArray[np.int64]:
         raise ValueError(f"actions must have shape ({count},), got {commands.shape}")
     if commands.dtype.kind not in "biu":
         raise TypeError(f"actions must be whole numbers, got an array of {commands.dtype}")
-    allowed = (commands == 0) | (commands == 1)
+    bits = commands.astype(np.bool_).astype(np.int64)
+    allowed = commands == bits
     if np.count_nonzero(allowed) < count:
         i = int(np.argmin(allowed))
         raise ValueError(f"actions must be 0 or 1, got {commands[i]} for sub-environment {i}")
-    return commands.astype(np.int64)
+    return bits
 
 
 def mask_of(mask: Any, count: int) -> NDArray[np.bool_]:
