@@ -16,7 +16,7 @@ with optional_import():
     from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
-    from .identify import Identification
+    from .identification import Identification
 
 __all__ = ["plot_fit"]
 
