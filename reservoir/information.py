@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.validation import finite_array, known_names, number_within, whole_number
 from .bootstrap import usual_block
 from .decomposition import intervals, sequential_capacity
-from .function_search import cutoff_of_surrogates, search
+from .function_search import cutoff_of_surrogates, Found, search
 from .orthonormal import of_usual_size, orthonormal_basis
 from .product_basis import legendre_polynomials, products, Term, walsh
 from .sensor_noise import with_sensor_noise
@@ -243,18 +243,7 @@ def information_processing_capacity(
     q = orthonormal_basis(with_sensor_noise(x[start:], noise, seed))
     rank, samples = q.shape[1], len(q)
     cutoff = float(betaincinv(rank / 2, (samples - 1 - rank) / 2, 1 - significance)) if 0 < rank < samples - 1 else 1.0
-    if rank and cutoff > 0.5:
-        warnings.warn(
-            f"no capacity below {cutoff:.2f} can be told from chance with {samples} samples of {rank} independent "
-            f"states: what is found is a lower bound",
-            stacklevel=2,
-        )
-    elif samples < _FEW * rank:
-        warnings.warn(
-            f"{samples} samples are few for {rank} independent states: chance explains {rank / samples:.0%} of any "
-            f"function, and what it adds to those found is taken off only in the mean",
-            stacklevel=2,
-        )
+    _warn_of_few_samples(samples, rank, cutoff)
     cutoffs = [cutoff] * max_degree
     if threshold == "surrogates":
         cutoffs = [
@@ -263,16 +252,7 @@ def information_processing_capacity(
         ]
     needed_events = events_needed(functions, significance)
     found = search(q, functions, start, reach, cutoffs, patience, budget, significance, needed_events)
-    if found.rare:
-        warnings.warn(
-            f"{found.rare} functions explain more than chance, but on fewer than {needed_events:.0f} effective "
-            f"samples: they cannot be told from products with one more input, and are not counted. "
-            f"Longer series or less rare inputs would tell",
-            stacklevel=2,
-        )
-    if found.left:
-        left = ", ".join(f"degree {degree} from delay {found.reach[degree] + 1} on" for degree in found.left)
-        warnings.warn(f"the budget of {budget} functions was spent; not tried: {left}", stacklevel=2)
+    _warn_of_what_was_left_out(found, needed_events, budget)
     delay = np.array([term[-1][0] for term in found.terms], dtype=np.int64)
     block = usual_block(samples, delay) if len(delay) else 1
     each = sequential_capacity(q, products(functions, found.terms, start), block)
@@ -290,6 +270,34 @@ def information_processing_capacity(
         tried=found.tried,
         reach=found.reach,
     )
+
+
+def _warn_of_few_samples(samples: int, rank: int, cutoff: float) -> None:
+    if rank and cutoff > 0.5:
+        warnings.warn(
+            f"no capacity below {cutoff:.2f} can be told from chance with {samples} samples of {rank} independent "
+            f"states: what is found is a lower bound",
+            stacklevel=3,
+        )
+    elif samples < _FEW * rank:
+        warnings.warn(
+            f"{samples} samples are few for {rank} independent states: chance explains {rank / samples:.0%} of any "
+            f"function, and what it adds to those found is taken off only in the mean",
+            stacklevel=3,
+        )
+
+
+def _warn_of_what_was_left_out(found: Found, needed_events: float, budget: int) -> None:
+    if found.rare:
+        warnings.warn(
+            f"{found.rare} functions explain more than chance, but on fewer than {needed_events:.0f} effective "
+            f"samples: they cannot be told from products with one more input, and are not counted. "
+            f"Longer series or less rare inputs would tell",
+            stacklevel=3,
+        )
+    if found.left:
+        left = ", ".join(f"degree {degree} from delay {found.reach[degree] + 1} on" for degree in found.left)
+        warnings.warn(f"the budget of {budget} functions was spent; not tried: {left}", stacklevel=3)
 
 
 def _delays_by_degree(delays: int | Sequence[int], max_degree: int) -> list[int]:

@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -210,39 +210,83 @@ def memory_capacity(
     x = with_sensor_noise(x, noise, seed)
     first = start if scoring == "leave one out" else start + training_samples(len(x) - start, holdout)
     _refuse_a_constant(e, lags, first)
-    prediction = None
     if scoring == "leave one out":
-        training = len(x) - start
-        basis = orthonormal_basis(x[start:])
-        bound = basis.shape[1]
-        cutoff = _leave_one_out_cutoff(basis, delayed_rows(e, lags, start, len(e)), significance)
-        prediction = leave_one_out(x[start:], delayed_rows(e, lags, start, len(e)).T, ridge, fit_intercept).T
+        scored = _left_out(x, e, lags, start, ridge, fit_intercept, significance)
     else:
-        weights, bound = _weights_and_bound(x, e, lags, start, first, ridge, fit_intercept)
-        training = first - start
-        profile, scatter = delayed_squared_correlations(x, weights, x[start], e - e.mean(), lags, first, len(x))
-        cutoff = NormalDist().inv_cdf(significance) ** 2 * scatter
-        if resamples > 0:
-            prediction = weights.T @ (x[first:] - x[start]).T
-    if training < _FEW * bound:
+        scored = _held_out(x, e, lags, start, first, ridge, fit_intercept, significance, predicted=resamples > 0)
+    _warn_of_few_samples(e, len(x) - first, scored, significance)
+    if resamples == 0 or scored.prediction is None:
+        return MemoryCapacity(lags, scored.profile, scored.cutoff, scored.bound)
+    return _with_intervals(lags, scored, delayed_rows(e, lags, first, len(e)), resamples, confidence, seed)
+
+
+class _Scored(NamedTuple):
+    """How well the message at each delay was read out."""
+
+    profile: Array
+    cutoff: Array
+    bound: int  # rank of the states
+    training: int  # samples that the readout was fitted on
+    prediction: Array | None  # (delays, scored samples); None where nobody asked for it
+
+
+def _left_out(
+    x: Array, e: Array, lags: Delays, start: int, ridge: float, fit_intercept: bool, significance: float
+) -> _Scored:
+    """Each sample predicted by a readout that was fitted on all the others."""
+    basis = orthonormal_basis(x[start:])
+    target = delayed_rows(e, lags, start, len(e))
+    cutoff = _leave_one_out_cutoff(basis, target, significance)
+    prediction = leave_one_out(x[start:], target.T, ridge, fit_intercept).T
+    profile = squared_correlation_of_rows(prediction, target)
+    return _Scored(profile, cutoff, basis.shape[1], len(x) - start, prediction)
+
+
+def _held_out(
+    x: Array,
+    e: Array,
+    lags: Delays,
+    start: int,
+    first: int,
+    ridge: float,
+    fit_intercept: bool,
+    significance: float,
+    *,
+    predicted: bool,
+) -> _Scored:
+    """The samples from `first` on predicted by a readout that was fitted on those before."""
+    weights, bound = _weights_and_bound(x, e, lags, start, first, ridge, fit_intercept)
+    profile, scatter = delayed_squared_correlations(x, weights, x[start], e - e.mean(), lags, first, len(x))
+    cutoff = NormalDist().inv_cdf(significance) ** 2 * scatter
+    if not predicted:
+        return _Scored(profile, cutoff, bound, first - start, None)
+    prediction = weights.T @ (x[first:] - x[start]).T
+    profile = squared_correlation_of_rows(prediction, delayed_rows(e, lags, first, len(e)))
+    return _Scored(profile, cutoff, bound, first - start, prediction)
+
+
+def _warn_of_few_samples(e: Array, samples: int, scored: _Scored, significance: float) -> None:
+    if scored.training < _FEW * scored.bound:
         warnings.warn(
-            f"the readout is fitted on {training} samples of {bound} independent states: below {_FEW} samples a state "
-            f"it misses much of the memory that is there",
-            stacklevel=2,
+            f"the readout is fitted on {scored.training} samples of {scored.bound} independent states: below {_FEW} "
+            f"samples a state it misses much of the memory that is there",
+            stacklevel=3,
         )
     needed = -math.log(significance) * _kurtosis(e) ** 2
-    if len(x) - first < needed:
+    if samples < needed:
         warnings.warn(
-            f"{len(x) - first} scored samples are few for a message that moves so seldom: "
+            f"{samples} scored samples are few for a message that moves so seldom: "
             f"below some {needed:.0f} a state that holds products of it passes for memory of it",
-            stacklevel=2,
+            stacklevel=3,
         )
-    if prediction is None:
-        return MemoryCapacity(lags, profile, cutoff, bound)
-    target = delayed_rows(e, lags, first, len(e))
-    profile = squared_correlation_of_rows(prediction, target)
-    if resamples == 0:
-        return MemoryCapacity(lags, profile, cutoff, bound)
+
+
+def _with_intervals(
+    lags: Delays, scored: _Scored, target: Array, resamples: int, confidence: float, seed: int
+) -> MemoryCapacity:
+    """Intervals by resampling blocks of the scored samples."""
+    profile, cutoff, bound, training, prediction = scored
+    assert prediction is not None
     block = usual_block(target.shape[1], lags)
     blocks = target.shape[1] // block
     drawn = resampled_correlations(prediction, target, block, resamples, seed)
