@@ -18,7 +18,19 @@ from .trials import digest, Laboratory, support
 
 __all__ = ["FOLDERS", "Campaign", "shown"]
 
-FOLDERS = ("common", "compiling", "reservoir", "crawler", "robot", "tasks", "envs", "train", "studies", "package")
+FOLDERS = (
+    "common",
+    "compiling",
+    "reservoir",
+    "crawler",
+    "robot",
+    "tasks",
+    "envs",
+    "train",
+    "studies",
+    "explore",
+    "package",
+)
 """From the ground up."""
 _QUICKEST = 30  # trials a minute: none takes less than 2 seconds
 Fault = tuple[str, Mutant]

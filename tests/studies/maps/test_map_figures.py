@@ -51,6 +51,12 @@ def test_a_map_shows_where_the_exponent_is_zero_what_is_uncertain_and_the_ridge(
     hatched = [patch for patch in exponent.patches if patch.get_hatch()]
     centres = sorted((patch.get_x() + patch.get_width() / 2, patch.get_y()) for patch in hatched)
     assert [x for x, _ in centres] == pytest.approx(sorted(DUFFING[np.nonzero(near.values)[1]]))
+    rows = DEBORAH[
+        np.unique(np.nonzero(near.values)[0])
+    ]  # a factor of 10 apart, and so cells end a factor of sqrt(10) off
+    np.testing.assert_allclose(sorted({patch.get_y() for patch in hatched}), rows / np.sqrt(10.0))
+    tops = sorted({patch.get_y() + patch.get_height() for patch in hatched})
+    np.testing.assert_allclose(tops, rows * np.sqrt(10.0))
     assert not [patch for patch in memory.patches if patch.get_hatch()]
     mesh = exponent.collections[0]
     assert isinstance(mesh.norm, CenteredNorm)
