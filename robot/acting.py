@@ -32,7 +32,7 @@ def acting(policy: Any) -> Callable[[NDArray[np.float32]], int]:
 
     def act(observation: NDArray[np.float32]) -> int:
         answer = policy(observation) if predict is None else predict(observation, deterministic=True)
-        if isinstance(answer, tuple):
+        if isinstance(answer, tuple) and len(answer) == 2:
             answer, state = answer
             if state is not None:
                 raise ValueError("policy must not be recurrent: give a function that keeps its state")

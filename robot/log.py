@@ -1,6 +1,7 @@
 """What a run has measured, kept in memory while it lasts and written as columns when it is over."""
 
 import math
+import tempfile
 from array import array
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from ..common.files import write_text
 from .sensors import SENSORS
 
-__all__ = ["Log"]
+__all__ = ["Log", "refuse_unwritable"]
 
 # In the order of the columns, with the unit that each is written in.
 _UNITS = {
@@ -64,6 +65,21 @@ class Log:
         """
         lines = [",".join(self.names), *(_line(row) for row in self.rows.tolist())]
         write_text(file, "\n".join(lines) + "\n")
+
+
+def refuse_unwritable(file: Path) -> None:
+    """Refuse a file that could not be written when a run is over, since nobody can repeat a run.
+
+    Raises
+    ------
+    OSError
+        If its folder is missing or takes no files, or it is a folder itself.
+    """
+    if file.is_dir():
+        raise IsADirectoryError(f"log must be a file, {file} is a folder")
+    if not file.parent.is_dir():
+        raise FileNotFoundError(f"log must be in a folder that is there, {file.parent} is none")
+    tempfile.TemporaryFile(dir=file.parent).close()
 
 
 def _line(row: Sequence[float]) -> str:

@@ -13,7 +13,7 @@ from ..crawler.model.actuator import Actuator
 from ..crawler.model.holds import natural_hold
 from .acting import acting, trained_in
 from .clock import Clock, RealClock
-from .log import Log
+from .log import Log, refuse_unwritable
 from .observer import Observer
 from .report import Report
 from .sensors import Limits, readings_of, Sensors
@@ -148,10 +148,14 @@ class Runner:
             If a sensor is missing, tells no number, or one outside its limits.
         RuntimeError
             If the valve cannot be shut at the end.
+        OSError
+            If the log cannot be written: before the run begins, if that can be known.
         BaseException
             What `read`, `write` or the policy raised, and interrupts; the valve is shut then.
         """
         count = None if holds is None else whole_number("holds", holds, 1)
+        if log is not None:
+            refuse_unwritable(Path(log))
         self._begin()
         try:
             with shut_at_the_end(self._turn):

@@ -53,17 +53,21 @@ class Sensors:
     Raises
     ------
     ValueError, TypeError
-        If the limits name no sensor, or are no pairs in ascending order.
+        If the limits name no sensor, or one twice, or are no pairs in ascending order.
     """
 
     def __init__(self, limits: Limits | None = None) -> None:
         self._limits: dict[str, tuple[float, float]] = {}
+        if limits is not None and not isinstance(limits, Mapping):
+            raise TypeError(f"limits must be a mapping such as {{'pressure_kPa': (-2, 30)}}, got {limits!r}")
         for name, pair in (limits or {}).items():
             channel, parts = unit_of(name)
             if not isinstance(pair, tuple | list) or len(pair) != 2:
                 raise TypeError(f"limits of {name} must be a pair (least, greatest), got {pair!r}")
             least = number_within(f"limits of {name}", pair[0], "(-inf, inf)")
             greatest = number_within(f"limits of {name}", pair[1], f"[{least!r}, inf)")
+            if channel in self._limits:
+                raise ValueError(f"limits of {channel} must be given once, got {list(limits or ())}")
             self._limits[channel] = least / parts, greatest / parts
         self._columns: tuple[tuple[str, str, float], ...] = ()
 
@@ -94,7 +98,7 @@ class Sensors:
             value = given.get(key)
             try:
                 number = float(value)  # type: ignore[arg-type]
-            except (TypeError, ValueError):
+            except (TypeError, ValueError, OverflowError):
                 number = math.nan
             if not math.isfinite(number):
                 raise SensorError(f"sensor {key} must tell a number, got {value!r}")

@@ -11,6 +11,8 @@ from ..common.validation import number_within
 __all__ = ["shut_at_the_end", "turning"]
 
 _TRIES = 3
+# Of a request to terminate, of a terminal or a connection that is gone, and of Ctrl-\; not every system has all.
+_ENDING = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
 
 
 def turning(write: Callable[[Any], Any], volts: tuple[float, float] | None) -> Callable[[int], Any]:
@@ -42,7 +44,7 @@ def turning(write: Callable[[Any], Any], volts: tuple[float, float] | None) -> C
 
 @contextmanager
 def shut_at_the_end(turn: Callable[[int], Any]) -> Iterator[None]:
-    """Shut the valve when the block ends, by an exception, an interrupt or a request to terminate as well.
+    """Shut the valve when the block ends, by an exception, an interrupt, a request to terminate or a lost terminal too.
 
     Raises
     ------
@@ -69,7 +71,7 @@ def _shut(turn: Callable[[int], Any]) -> None:
 
 @contextmanager
 def _termination_raised() -> Iterator[None]:
-    """Let SIGTERM raise, as an interrupt does; it would end the process with the valve as it is."""
+    """Let the signals that would end the process, with the valve as it is, raise as an interrupt does."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread is told of signals
         return
@@ -77,8 +79,13 @@ def _termination_raised() -> Iterator[None]:
     def end(number: int, _: Any) -> None:
         raise SystemExit(128 + number)
 
-    before = signal.signal(signal.SIGTERM, end)
+    # Those that are ignored, as nohup has it, stay so.
+    handlers = {number: signal.getsignal(number) for number in _ENDING}
+    before = {number: handler for number, handler in handlers.items() if handler not in (signal.SIG_IGN, None)}
+    for number in before:
+        signal.signal(number, end)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -215,22 +215,45 @@ def test_whatever_ends_a_run_the_valve_is_shut_first_and_the_log_written(tmp_pat
     assert done.report.holds == len(done.report.latency) > 3
 
 
-def test_a_request_to_terminate_shuts_the_valve_too():
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGQUIT"])
+def test_a_request_to_terminate_and_a_lost_terminal_shut_the_valve_too(name):
+    number = getattr(signal, name)
     clock = ScriptedClock()
     body = Body(clock)
     calls = iter(range(100))
 
     def act(observation):
         if next(calls) == 3:
-            os.kill(os.getpid(), signal.SIGTERM)
+            os.kill(os.getpid(), number)
         return 1
 
-    before = signal.getsignal(signal.SIGTERM)
+    before = signal.getsignal(number)
     with pytest.raises(SystemExit) as end:
         runner(clock, body, act).run()
-    assert end.value.code == 128 + signal.SIGTERM
+    assert end.value.code == 128 + number
     assert [valve for _, valve in body.turns] == [0, 1, 1, 1, 0]
-    assert signal.getsignal(signal.SIGTERM) is before
+    assert signal.getsignal(number) is before
+
+
+def test_a_lost_terminal_ends_nothing_that_ignores_it():
+    clock = ScriptedClock()
+    body = Body(clock)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup has it
+    try:
+        runner(clock, body, lambda observation: os.kill(os.getpid(), signal.SIGHUP) or 1).run(3)
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    assert [valve for _, valve in body.turns] == [0, 1, 1, 1, 0]
+
+
+@pytest.mark.parametrize("place", ["", "missing/run.csv"])
+def test_a_log_that_cannot_be_written_is_refused_before_the_valve_turns(tmp_path, place):
+    clock = ScriptedClock()
+    body = Body(clock)
+    with pytest.raises(OSError, match="log must be "):
+        runner(clock, body).run(3, log=tmp_path / place)
+    assert body.turns == []
 
 
 def test_a_run_in_another_thread_leaves_signals_alone():
@@ -350,6 +373,12 @@ def test_a_sensor_that_fails_later_ends_the_run():
         ({"volts": 24}, TypeError, r"volts must be those of the shut and of the open valve, such as \(0, 24\), got 24"),
         ({"volts": (5, 5)}, ValueError, "volts must differ"),
         ({"limits": {"pressure": (0, 1)}}, ValueError, "sensors must be of .* got 'pressure'"),
+        (
+            {"limits": {"pressure_kPa": (0, 1), "pressure_Pa": (0, 9)}},
+            ValueError,
+            "limits of pressure must be given on",
+        ),
+        ({"limits": 3}, TypeError, "limits must be a mapping such as .*, got 3"),
         ({"limits": {"pressure_kPa": (2, 1)}}, ValueError, r"limits of pressure_kPa must be in \[2.0, inf\), got 1"),
         (
             {"limits": {"pressure_kPa": 2}},
