@@ -1,11 +1,13 @@
 """What of the paper stands: `stickslip reproduce`, and the page that it makes.
 
 Run ``python benchmarks/claims.py``; ``--quick`` takes three seeds instead of eight, and less of all else. What is
-finished in the folder is not done again. Claims go into `benchmarks/results/claims.json`, the page is
-`docs/claims.md`, its figures are in `docs/images`.
+finished in the folder is not done again. ``python benchmarks/claims.py figS6 work`` renews the claims of these figures
+alone, and of what rests on the same numbers: the others stay as they were kept. Claims go
+into `benchmarks/results/claims.json`, the page is `docs/claims.md`, its figures are in `docs/images`.
 """
 
 import argparse
+import json
 import os
 import shutil
 from collections.abc import Mapping
@@ -19,7 +21,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from measuring import keep, machine, refresh
 
 from stickslip.common.sharing import processors
-from stickslip.studies.claims.claim import Claim, FIGURES
+from stickslip.studies.claims.claim import Claim, CLAIMS, FIGURES
 from stickslip.studies.claims.page import sections
 from stickslip.studies.claims.reproduce import reproduce
 
@@ -40,23 +42,33 @@ def tables(results: Mapping[str, Any]) -> dict[str, str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("figures", nargs="*", help="those to renew; all by default")
     parser.add_argument("--quick", action="store_true", help="three seeds instead of eight, and less of all else")
     parser.add_argument("--folder", type=Path, default=Path("runs/claims"))
     parser.add_argument("--processes", type=int, default=processors())
     arguments = parser.parse_args()
-    decided = reproduce(
-        arguments.folder, quick=arguments.quick, processes=arguments.processes, show=partial(print, flush=True)
+    renewed = reproduce(
+        arguments.folder,
+        arguments.figures,
+        quick=arguments.quick,
+        processes=arguments.processes,
+        show=partial(print, flush=True),
     )
+    before = json.loads(RESULTS.read_text(encoding="utf-8")) if arguments.figures else {"quick": arguments.quick}
+    if before["quick"] != arguments.quick:
+        raise ValueError(f"figures can be renewed by a run of the same size only, got quick = {arguments.quick}")
+    claims = {claim["name"]: claim for claim in before.get("claims", ())}
+    claims |= {claim.name: claim.as_json() for claim in renewed}
     results = {
         "machine": machine("pysindy", "xarray"),
         "quick": arguments.quick,
-        "claims": [claim.as_json() for claim in decided],
+        "claims": [claims[name] for name in CLAIMS if name in claims],
     }
-    for figure in {figure for figures in FIGURES.values() for figure in figures}:
+    for figure in {figure for claim in renewed for figure in FIGURES[claim.name]}:
         shutil.copyfile(arguments.folder / f"{figure}.png", IMAGES / _PICTURE.format(figure))
     keep(RESULTS, results)
     refresh(PAGE, tables(results))
-    print("\n".join(f"{claim.name}  {claim.verdict}" for claim in decided))
+    print("\n".join(f"{claim.name}  {claim.verdict}" for claim in renewed))
 
 
 if __name__ == "__main__":

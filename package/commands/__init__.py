@@ -54,7 +54,7 @@ app.command("search", cls=continued())(search.search)
 app.command("map", cls=continued())(mapping.map_numbers)
 app.command("lyapunov", cls=Interruptible)(lyapunov.lyapunov)
 app.command("identify", cls=Interruptible)(identify.identify)
-app.command("reproduce", cls=Interruptible)(reproduce.reproduce)
+app.command("reproduce", cls=continued())(reproduce.reproduce)
 app.command("compile", cls=Interruptible)(compilation.compile_kernels)
 
 

@@ -27,16 +27,16 @@ def reproduce(
     What is finished in the output folder is not done again, so that an interrupted run goes on.
     """
     from ..common.sharing import processors
-    from ..studies.claims.page import NOT_DRAWN
+    from ..studies.claims.claim import WHY_UNKNOWN
     from ..studies.claims.real_body import portrait
     from ..studies.claims.reproduce import reproduce as decide
 
-    asked = [figure for figure in figures or () if figure not in ("claims", "all")]
+    asked = [] if {"claims", "all"} & set(figures or ()) else figures or []
     for claim in decide(output, asked, quick=quick, processes=processes or processors(), show=say):
-        say(f"{claim.name}  {claim.verdict}: {claim.sentence}")
+        say(f"{claim.name}  {claim.verdict}: {' '.join([claim.sentence, claim.remark]).rstrip()}")
         if claim.body:
             say(f"    the real body: {'; '.join(f'{name} {number}' for name, number in claim.body.items())}")
     say(f"The real body is {portrait()}.")
     if not asked:
-        say(NOT_DRAWN)
+        say(f"Not drawn: {WHY_UNKNOWN}.")
     say(f"claims.json, index.md and figures in {output}")

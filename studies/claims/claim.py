@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...reservoir import mean_over_runs
 
-__all__ = ["CLAIMS", "FIGURES", "VERDICTS", "Claim", "Number", "Verdict", "interval"]
+__all__ = ["CLAIMS", "FIGURES", "UNKNOWN", "VERDICTS", "WHY_UNKNOWN", "Claim", "Number", "Verdict", "interval"]
 
 Verdict = Literal["reproduced", "reproduced in part", "not reproduced", "overturned"]
 VERDICTS: tuple[Verdict, ...] = ("reproduced", "reproduced in part", "not reproduced", "overturned")
@@ -42,6 +42,14 @@ FIGURES = {
     "C10": ("work",),
 }
 """Where the paper shows each, and "work" for what it has no figure of."""
+UNKNOWN = ("figS1", "figS2", "figS3", "figS4", "figS5")
+"""Figures of the supplement of which only the names are known."""
+WHY_UNKNOWN = (
+    f"what {UNKNOWN[0]} to {UNKNOWN[-1]} show is not known: no claim names them, and the supplement's own table of "
+    "figures does not match its numbers. What its equations say is drawn: segments of a tube (S14, S15) in figS6, work "
+    "and Jarzynski's average (S28 to S30) in work; natural units (S18 to S22) are those of every axis"
+)
+"""Why these are not drawn."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +62,13 @@ class Number:
     unit: str = "1"
 
     def __str__(self) -> str:
-        interval = "" if self.low is None else f" [{self.low:.3g}, {self.high:.3g}]"
-        return f"{self.value:.3g}{interval}" + ("" if self.unit == "1" else f" {self.unit}")
+        interval = "" if self.low is None or self.high is None else f" [{_said(self.low)}, {_said(self.high)}]"
+        return f"{_said(self.value)}{interval}" + ("" if self.unit == "1" else f" {self.unit}")
+
+
+def _said(value: float) -> str:
+    """To three digits; a thousand and more to the whole."""
+    return f"{value:.0f}" if 999.5 <= abs(value) < 1e6 else f"{value:.3g}"
 
 
 @dataclass(frozen=True)
@@ -75,6 +88,8 @@ class Claim:
         The command that finds the numbers again.
     body : dict of str to Number
         What one real body does, in SI units (`stickslip.studies.claims.real_body`).
+    remark : str
+        What else was found.
     """
 
     name: str
@@ -83,6 +98,7 @@ class Claim:
     numbers: dict[str, Number] = field(default_factory=dict)
     check: str = ""
     body: dict[str, Number] = field(default_factory=dict)
+    remark: str = ""
 
     def __post_init__(self) -> None:
         if self.name not in CLAIMS:
@@ -98,7 +114,7 @@ class Claim:
     def from_json(cls, kept: Mapping[str, Any]) -> Self:
         """A claim from `as_json`."""
         numbers, body = ({name: Number(**number) for name, number in kept[key].items()} for key in ("numbers", "body"))
-        return cls(kept["name"], kept["verdict"], kept["sentence"], numbers, kept["check"], body)
+        return cls(kept["name"], kept["verdict"], kept["sentence"], numbers, kept["check"], body, kept["remark"])
 
 
 def interval(values: NDArray[np.float64], unit: str = "1", *, least: float = -np.inf) -> Number:

@@ -2,15 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from .claim import Claim, CLAIMS, FIGURES, Number
+from .claim import Claim, CLAIMS, FIGURES, Number, WHY_UNKNOWN
 from .real_body import portrait
 
-__all__ = ["NOT_DRAWN", "as_markdown", "sections"]
-
-NOT_DRAWN = (
-    "Figures figS1 to figS5 are not drawn: no claim is known to rest on them, and the supplement's own table of "
-    "figures does not match its numbers."
-)
+__all__ = ["as_markdown", "sections"]
 
 
 def as_markdown(decided: Sequence[Claim], command: str) -> str:
@@ -35,11 +30,16 @@ def sections(decided: Sequence[Claim], picture: str = "{}.png") -> str:
     lines += [
         f"| [{claim.name}](#{claim.name.lower()}) | {CLAIMS[claim.name]} | **{claim.verdict}** |" for claim in decided
     ]
-    lines += ["", f"The real body of the tables is {portrait()}.", "", NOT_DRAWN]
+    lines += [
+        "",
+        f"The real body of the tables is {portrait()}.",
+        "",
+        f"Not drawn: {WHY_UNKNOWN}.",
+    ]
     shown: set[str] = set()
     for claim in decided:
         lines += ["", f"## {claim.name}", "", f"{CLAIMS[claim.name]} **{claim.verdict.capitalize()}.**", ""]
-        lines += [claim.sentence, "", *_table("number", claim.numbers)]
+        lines += [claim.sentence, "", *([claim.remark, ""] if claim.remark else []), *_table("number", claim.numbers)]
         if claim.body:
             lines += ["", *_table("the real body", claim.body)]
         lines += ["", f"Checked by `{claim.check}`."]

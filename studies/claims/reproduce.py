@@ -16,7 +16,7 @@ from ...common.validation import known_names
 from ..work.figure import plot_work as plot_work_study
 from . import crawl, edge, edge_figure, laws, laws_figure, sindy_figures, twin, twin_figure, work
 from .asked import Asked
-from .claim import Claim, CLAIMS
+from .claim import Claim, CLAIMS, UNKNOWN, WHY_UNKNOWN
 from .page import as_markdown
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def reproduce(
         Where to write ``claims.json``, ``index.md`` and the pictures; each is whole or not there. A study whose claims
         and pictures it has already is not done again.
     figures : sequence of str
-        Of the paper, such as "fig4"; all by default. Whatever rests on the same study is drawn with them.
+        Of the paper, such as "fig4", or "work"; all by default. Whatever rests on the same study is drawn with them.
     quick : bool
         Three seeds instead of eight, and less of all else.
     processes : int
@@ -110,8 +110,11 @@ def reproduce(
     Raises
     ------
     ValueError
-        If a figure is none of those, or the folder is of something else or of another kind of run.
+        If a figure is none of those or nothing is known of it, or the folder is of something else or of another kind
+        of run.
     """
+    if unknown := [figure for figure in figures if figure in UNKNOWN]:
+        raise ValueError(f"figures cannot have {unknown[0]!r}: {WHY_UNKNOWN}")
     known_names("figures", figures, [figure for study in STUDIES.values() for figure in study.figures])
     _refuse_other_folder(folder)
     kept = Kept(folder / _STUDIES, {"stickslip": version("stickslip"), "quick": quick}, resume=True)

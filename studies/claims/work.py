@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..work.study import BETAS, Case, compare, FULL, HOLD, QUICK, Spread, spread_of, Study
+from ..work.study import BETAS, Case, compare, COMPARED, COUNTS, FULL, HOLD, QUICK, Spread, spread_of, Study
 from ..work.study import measure as measure_work
 from .asked import Asked
 from .claim import Claim, Number, Verdict
@@ -15,6 +15,8 @@ __all__ = ["Work", "claim", "measure", "verdict"]
 
 _CHAOS = 0.1  # share of the variance from which starts count
 _LEAVES_NOTHING = 0.01  # share of the variance with fixed input below which inputs make all of it
+_SAME = 0.95  # of the spread with the lag: what is left without it from which the lag counts for nothing
+_NOTHING = 0.005  # share that is not worth a word
 _CLOSED = 1e-6  # of all energy that is turned over: how well the balance must close
 _AT = 1.0  # beta
 
@@ -40,54 +42,51 @@ def verdict(spreads: Mapping[str, Spread]) -> Verdict:
         return "reproduced"
     if by_chaos or by_lag or spreads["nearly undamped, stiff"].parts.low > _CHAOS:
         return "reproduced in part"
-    return "overturned" if spreads["as it is"].parts.high < _LEAVES_NOTHING else "not reproduced"
+    neither = by_lag is False and spreads["as it is"].parts.high < _LEAVES_NOTHING
+    return "overturned" if neither else "not reproduced"
 
 
 def _by_chaos(spreads: Mapping[str, Spread]) -> bool:
     return spreads["as it is"].parts.low > _CHAOS
 
 
-def _by_lag(spreads: Mapping[str, Spread]) -> bool:
-    return compare(spreads["lag made fast"], spreads["as it is"])[2] < 1.0
+def _by_lag(spreads: Mapping[str, Spread]) -> bool | None:
+    """Whether the lag spreads the work; None where the interval does not tell."""
+    _, low, high = compare(spreads["lag made fast"], spreads["as it is"])
+    if high < 1.0:
+        return True
+    return False if low > _SAME else None
 
 
 def claim(work: Work) -> Claim:
     """C10, decided."""
     study, spreads = work.study, work.study.spreads
-    usual, fast, slow, wild, held = (
-        spreads[name]
-        for name in ("as it is", "lag made fast", "lag made slow", "nearly undamped, stiff", "anchored, chaotic")
-    )
-    free = spreads["friction absent"]
-    residual = max(study.residual, *(each.residual for each in spreads.values()))
+    ratios = {name: Number(*compare(spreads[name], spreads[other])) for name, other in COMPARED.items()}
     conserving, crawler = study.conserving[_AT], study.crawler[_AT]
-    ends = [study.crawler[beta].free_energy for beta in (BETAS[0], BETAS[-1])]
     return Claim(
         "C10",
         verdict(spreads),
-        f"Chaos {'spreads the work' if _by_chaos(spreads) else 'does not'}, the lag "
-        f"{'does' if _by_lag(spreads) else 'does not'}, and inputs do: under random bits work varies by "
-        f"{usual.relative:.0%} of its mean, {fast.relative:.0%} with a fast lag, {slow.relative:.0%} with a slow one, "
-        f"{free.relative:.0%} without friction, and under one input starts far apart leave {usual.parts.share:.1g} of "
-        f"that variance on the ground, {wild.parts.share:.1g} at a damping ratio of 0.002 and Pi1 = 2000, and "
-        f"{held.parts.share:.2f} anchored and chaotic, where nothing sticks or slips. The balance of energy "
-        f"{'closes' if residual < _CLOSED else 'does not close'}. Jarzynski's average gives no free energy, since beta "
-        f"is no temperature: {ends[0]:.2f} at beta = {BETAS[0]} and {ends[1]:.2f} at {BETAS[-1]:g}, while nothing is "
-        f"stored.",
-        {f"share of starts in the variance, {name}": _share(each) for name, each in spreads.items()}
-        | {f"standard deviation over mean, {name}": Number(each.relative) for name, each in spreads.items()}
+        _sentence(spreads, ratios),
+        {f"standard deviation over mean, {name}": Number(*each.relative) for name, each in spreads.items()}
+        | {f"ratio of these, {name} to {COMPARED[name]}": ratio for name, ratio in ratios.items()}
+        | {"inputs that each of these is of": Number(spreads["as it is"].by_input.size)}
+        | {f"share of starts in the variance, {name}": _share(each) for name, each in spreads.items()}
         | {
-            f"the same, {name} over as it is": _compared(spreads[name], usual)
-            for name in ("lag made fast", "lag made slow", "friction absent")
-        }
-        | {
-            "residual of the balance": Number(residual),
+            "residual of the balance": Number(_residual(study)),
             "least loss in a cycle from rest": Number(study.least_loss, unit="P_max A_0 z_c"),
             f"mean of exp(-beta W), beta = {_AT:g}, energy conserved": Number(conserving.mean, *conserving.interval),
             f"mean of exp(-beta W), beta = {_AT:g}, crawler": Number(crawler.mean, *crawler.interval),
             "least W_diss over all beta, crawler": Number(
                 min(each.dissipated for each in study.crawler.values()), unit="P_max A_0 z_c"
             ),
+        }
+        | {
+            f"free energy by the average, beta = {beta:g}, {count} runs": Number(
+                *study.by_count[beta, count].free_energies, unit="P_max A_0 z_c"
+            )
+            for beta in (_AT, BETAS[-1])
+            for count in (*COUNTS[::2], COUNTS[-1])
+            if (beta, count) in study.by_count
         }
         | {
             f"runs that carry the average, of {study.cycles.size}, beta = {beta:g}, crawler": Number(
@@ -102,12 +101,41 @@ def claim(work: Work) -> Claim:
             "standard deviation over runs": Number(work.body.deviation * BODY.scales.energy * 1e3, unit="mJ"),
             "share of starts in the variance": _share(work.body),
         },
+        _remark(study),
     )
+
+
+def _sentence(spreads: Mapping[str, Spread], ratios: Mapping[str, Number]) -> str:
+    usual = spreads["as it is"]
+    lag = {True: "adds to it", False: "does not", None: "cannot be told to"}[_by_lag(spreads)]
+    return (
+        f"Under random bits the work varies by {usual.relative[0]:.1%} of its mean: a lag made fast leaves "
+        f"{ratios['lag made fast']} of that, friction absent {ratios['friction absent']} and friction made smooth "
+        f"{ratios['slides back, friction made smooth']}, while starts make {_of_starts(usual)} of the variance; so "
+        f"the lag {lag}, and stick-slip chaos {'does' if _by_chaos(spreads) else 'does not'}."
+    )
+
+
+def _remark(study: Study) -> str:
+    wild, held = (study.spreads[name] for name in ("nearly undamped, stiff", "anchored, chaotic"))
+    free = {beta: Number(*study.crawler[beta].free_energies) for beta in (BETAS[0], BETAS[-1])}
+    return (
+        f"Starts make {_of_starts(wild)} of the variance at a damping ratio of 0.002 and Pi1 = 2000, and "
+        f"{_of_starts(held)} anchored and chaotic, where nothing sticks or slips. The balance of energy "
+        f"{'closes' if _residual(study) < _CLOSED else 'does not close'}. Jarzynski's average gives no free energy, "
+        f"since beta is no temperature here: it comes to {free[BETAS[0]]} at beta = {BETAS[0]} and to "
+        f"{free[BETAS[-1]]} at {BETAS[-1]:g}, where {study.crawler[BETAS[-1]].samples:.0f} of {study.cycles.size} runs "
+        f"carry it, while nothing is stored."
+    )
+
+
+def _of_starts(spread: Spread) -> str:
+    return f"{spread.parts.share:.2f}" if spread.parts.share > _NOTHING else "nothing"
+
+
+def _residual(study: Study) -> float:
+    return max(study.residual, *(each.residual for each in study.spreads.values()))
 
 
 def _share(spread: Spread) -> Number:
     return Number(spread.parts.share, spread.parts.low, spread.parts.high)
-
-
-def _compared(one: Spread, other: Spread) -> Number:
-    return Number(*compare(one, other))

@@ -2,6 +2,7 @@
 
 from .ensembles import boltzmann_starts, Works, works_of
 from .jarzynski import Average, average
+from .smooth import smooth_works
 from .split import Split, split
 
-__all__ = ["Average", "Split", "Works", "average", "boltzmann_starts", "split", "works_of"]
+__all__ = ["Average", "Split", "Works", "average", "boltzmann_starts", "smooth_works", "split", "works_of"]

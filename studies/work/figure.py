@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...common.extras import optional_import
-from ...common.figures import house_style, MARKERS, OKABE_ITO
+from ...common.figures import house_style, MARKERS, OKABE_ITO, PAGE_WIDTH
 from .study import BETAS, COUNTS, Study
 
 with optional_import():
@@ -27,11 +27,12 @@ _TRUSTED = 30.0  # samples that must carry an average for it to be drawn full
 def plot_work(study: Study) -> Figure:
     """Spread by body, the average by beta, and the free energy by beta and number of runs."""
     with house_style():
-        figure, (left, middle, right) = plt.subplots(
-            1, 3, figsize=(10.0, 3.2), layout="constrained", width_ratios=(1.1, 1.0, 1.0)
-        )
-        _spreads(left, study)
-        _averages(middle, study)
+        figure = plt.figure(figsize=(PAGE_WIDTH, 5.6), layout="constrained")
+        rows = figure.add_gridspec(2, 1, height_ratios=(1.0, 1.1))
+        above, below = figure.add_subfigure(rows[0]), figure.add_subfigure(rows[1])
+        _spreads(above.subplots(), study)
+        left, right = below.subplots(1, 2)
+        _averages(left, study)
         _free_energies(right, study)
     return figure
 
@@ -39,14 +40,16 @@ def plot_work(study: Study) -> Figure:
 def _spreads(ax: Axes, study: Study) -> None:
     names = list(study.spreads)
     for row, spread in enumerate(study.spreads.values()):
-        whole, share = spread.relative, spread.parts.share
+        (whole, low, high), share = spread.relative, spread.parts.share
         ax.barh(row, whole * (1.0 - share), color=OKABE_ITO[0], height=0.6)
         ax.barh(row, whole * share, left=whole * (1.0 - share), color=OKABE_ITO[1], height=0.6)
+        ax.errorbar(whole, row, xerr=[[whole - low], [high - whole]], color="black", lw=1, capsize=2)
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
-    ax.set(xlabel="standard deviation of work / mean", title="What spreads the work", xlim=(0.0, None))
+    ax.set(xlabel="standard deviation of the work over its mean (lines: 95%)", xlim=(0.0, None))
+    ax.set_title("What spreads the work?")
     handles = [Patch(color=OKABE_ITO[place], label=what) for place, what in enumerate(("inputs", "starts"))]
-    ax.legend(handles=handles, title="by share of variance", loc="center right")
+    ax.legend(handles=handles, title="made by, as shares of the variance", loc="center right")
 
 
 def _averages(ax: Axes, study: Study) -> None:
@@ -70,8 +73,8 @@ def _averages(ax: Axes, study: Study) -> None:
         )
     ax.axhline(1.0, color="0.4", lw=0.8, zorder=0)
     ax.set(xscale="log", xlabel=_BETA, ylabel=r"$\langle \exp(-\beta W) \rangle$")
-    ax.set(title="Jarzynski's average", ylim=(-0.05, 2.2))
-    ax.legend(title=f"hollow: fewer than {_TRUSTED:.0f} runs carry it", loc="upper right", fontsize=8, title_fontsize=8)
+    ax.set(title="Is Jarzynski's average 1?", ylim=(-0.05, 2.4))
+    ax.legend(title=f"hollow: fewer than {_TRUSTED:.0f} runs carry it", loc="upper right")
 
 
 def _free_energies(ax: Axes, study: Study) -> None:
@@ -83,6 +86,6 @@ def _free_energies(ax: Axes, study: Study) -> None:
             ax.plot(BETAS, found, marker + "-", ms=4, lw=1, label=str(count))
     ax.axhline(0.0, color="black", lw=1, ls="--")
     ax.annotate("energy that is stored", (BETAS[-1], 0.0), (0, 3), textcoords="offset points", ha="right")
-    ax.set(xscale="log", xlabel=_BETA, ylabel=r"$-\ln\langle e^{-\beta W}\rangle / \beta$")
-    ax.set(title="The free energy it would give", ylim=(-0.65, None))
-    ax.legend(title="runs; grey: least to mean work", loc="lower center", ncols=3, fontsize=8, title_fontsize=8)
+    ax.set(xscale="log", xlabel=_BETA, ylabel=r"$-\ln\langle \exp(-\beta W)\rangle / \beta$ ($P_{\max} A_0 z_c$)")
+    ax.set(title="What free energy would it give?", ylim=(-0.75, None))
+    ax.legend(title="runs; grey: least to mean work", loc="lower center", ncols=3)

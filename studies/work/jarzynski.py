@@ -23,6 +23,8 @@ class Average:
 
     Attributes
     ----------
+    beta : float
+        Of the average, 1 / (P_max A_0 z_c).
     mean, error : float
         Of exp(-beta W), and its standard error.
     free_energy : float
@@ -36,6 +38,7 @@ class Average:
         That carry the average, (sum w)^2 / sum w^2.
     """
 
+    beta: float
     mean: float
     error: float
     free_energy: float
@@ -47,6 +50,15 @@ class Average:
     def interval(self) -> tuple[float, float]:
         """95% interval of <exp(-beta W)>, by the normal law."""
         return self.mean - _NORMAL * self.error, self.mean + _NORMAL * self.error
+
+    @property
+    def free_energies(self) -> tuple[float, float, float]:
+        """The free energy and the ends of its 95% interval, by the delta method; without the bias.
+
+        Too narrow where few samples carry the average.
+        """
+        width = _NORMAL * self.error / (self.mean * self.beta)
+        return self.free_energy, self.free_energy - width, self.free_energy + width
 
 
 def average(works: NDArray[np.float64], beta: float) -> Average:
@@ -70,6 +82,7 @@ def average(works: NDArray[np.float64], beta: float) -> Average:
     mean = float(np.exp(logarithm))
     free_energy = -logarithm / beta
     return Average(
+        beta=beta,
         mean=mean,
         error=mean * spread / count**0.5,
         free_energy=free_energy,

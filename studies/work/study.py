@@ -1,6 +1,6 @@
 """What is measured of work: bodies beside each other, and averages over ensembles."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from ...crawler import Groups, State
 from .ensembles import boltzmann_starts, far_starts, random_valves, Works, works_of
 from .jarzynski import Average, average
+from .smooth import smooth_works
 from .split import Split, split
 
 __all__ = [
     "BETAS",
     "CASES",
+    "COMPARED",
     "COUNTS",
     "FULL",
     "HOLD",
@@ -35,23 +37,48 @@ HOLD = 0.5
 
 @dataclass(frozen=True)
 class Case:
-    """A body, and the scene it is in."""
+    """A body, and the scene it is in.
+
+    Attributes
+    ----------
+    groups : Groups
+    scene : mapping, optional
+        As in `simulate`; without a meaning where friction is smooth.
+    smooth : float, optional
+        Velocity of the foot over which friction changes its sign, as in `smooth_works`; it jumps by default.
+    """
 
     groups: Groups
     scene: Mapping[str, Any] | None = None
+    smooth: float | None = None
 
 
+_SLIDING = Groups(static_friction=Groups().kinetic_friction)
 CASES: Mapping[str, Case] = {
     "as it is": Case(Groups()),
     "lag made fast": Case(Groups(deborah=0.01)),
     "lag made slow": Case(Groups(deborah=5.0)),
     "friction absent": Case(Groups(static_friction=0.0, kinetic_friction=0.0), {"ratchet": False}),
-    "foot may slide back": Case(Groups(), {"ratchet": False}),
+    "slides back": Case(Groups(), {"ratchet": False}),
+    "slides back without stiction": Case(_SLIDING, {"ratchet": False}),
+    "slides back, friction made smooth": Case(_SLIDING, smooth=0.1),
     "anchored": Case(Groups(), {"anchored": True}),
     "nearly undamped, stiff": Case(Groups(damping_ratio=0.002, duffing=2000.0, deborah=0.05)),
     "anchored, chaotic": Case(Groups(damping_ratio=0.02, duffing=20.0, deborah=0.05), {"anchored": True}),
 }
-"""Bodies by name, each the default one but for what the name says."""
+"""Bodies by name, each the default one but for what the name says.
+
+Friction is taken apart in steps, since a static friction above the kinetic one cannot be made smooth (`smooth_works`):
+the foot may slide back, then static friction is as kinetic, then the jump at rest is drawn out over 0.1 z_c / t_c.
+"""
+COMPARED: Mapping[str, str] = {
+    "lag made fast": "as it is",
+    "lag made slow": "as it is",
+    "friction absent": "as it is",
+    "slides back without stiction": "slides back",
+    "slides back, friction made smooth": "slides back without stiction",
+}
+"""Bodies whose spread is compared, each with the one from which it differs in what its name says."""
 BETAS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Of the averages, 1 / (P_max A_0 z_c)."""
 COUNTS = (10, 30, 100, 300, 1000, 3000)
@@ -69,6 +96,9 @@ class Size:
     ----------
     inputs, starts, holds, washout : int
         Of the split of the variance.
+    paired : int
+        Inputs, from rest, under which the spread of one body is compared with that of another. Its interval gets
+        narrower as their square root.
     cycles : int
         Random inputs from rest.
     thermal : int
@@ -79,11 +109,12 @@ class Size:
     starts: int
     holds: int
     washout: int
+    paired: int
     cycles: int
     thermal: int
 
 
-FULL, QUICK = Size(64, 6, 1000, 500, 3000, 1000), Size(24, 4, 600, 300, 1000, 200)
+FULL, QUICK = Size(64, 6, 1000, 500, 1024, 3000, 1000), Size(24, 4, 600, 300, 192, 1000, 200)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,21 +123,16 @@ class Spread:
 
     Attributes
     ----------
-    mean : float
-        Work a hold.
-    deviation : float
-        Standard deviation of the work a hold over all runs.
-    by_input : (inputs,) array
-        Work a hold, mean over starts.
+    by_input : (paired,) array
+        Work a hold under each of many inputs, from rest.
     parts : Split
+        Of the variance over fewer inputs and many starts.
     viscous, friction : float
         Shares of the work that elastomer and ground take.
     residual : float
         Of the balance, as in `Works`.
     """
 
-    mean: float
-    deviation: float
     by_input: NDArray[np.float64]
     parts: Split
     viscous: float
@@ -114,9 +140,19 @@ class Spread:
     residual: float
 
     @property
-    def relative(self) -> float:
-        """Standard deviation over mean."""
-        return self.deviation / self.mean
+    def mean(self) -> float:
+        """Work a hold."""
+        return float(self.by_input.mean())
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the work a hold over runs, each under an input of its own."""
+        return float(self.by_input.std(ddof=1))
+
+    @property
+    def relative(self) -> tuple[float, float, float]:
+        """Deviation over mean, and its 95% interval by bootstrap over inputs."""
+        return _with_interval(_relative, self.by_input)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,12 +207,25 @@ def measure(size: Size) -> Study:
 
 
 def spread_of(case: Case, size: Size, hold: float = HOLD) -> Spread:
-    """What spreads the work of a body after a washout, inputs against starts far from each other."""
-    valves = random_valves(size.inputs, size.washout + size.holds)
-    works = works_of(
-        case.groups, valves, far_starts(size.starts), hold=hold, scene=case.scene, washout=size.washout, tolerance=1e-6
+    """What spreads the work of a body after a washout: by input, and inputs against starts far from each other."""
+    paired, few = (
+        _works_of(case, random_valves(inputs, size.washout + size.holds), starts, hold, size.washout)
+        for inputs, starts in ((size.paired, [State()]), (size.inputs, far_starts(size.starts)))
     )
-    return _told(works, size.holds)
+    whole = float(few.work.sum())
+    return Spread(
+        by_input=paired.work[:, 0] / size.holds,
+        parts=split(few.work / size.holds),
+        viscous=float(few.viscous.sum()) / whole,
+        friction=float(few.friction.sum()) / whole,
+        residual=max(paired.residual, few.residual),
+    )
+
+
+def _works_of(case: Case, valves: NDArray[np.int64], starts: Sequence[State], hold: float, washout: int) -> Works:
+    if case.smooth is not None:
+        return smooth_works(case.groups, valves, starts, hold=hold, width=case.smooth, washout=washout)
+    return works_of(case.groups, valves, starts, hold=hold, scene=case.scene, washout=washout, tolerance=1e-6)
 
 
 def compare(one: Spread, other: Spread) -> tuple[float, float, float]:
@@ -192,11 +241,14 @@ def compare(one: Spread, other: Spread) -> tuple[float, float, float]:
     ratio, low, high : float
         Of the standard deviations over the means, with its 95% interval by bootstrap over inputs, paired.
     """
-    pair = np.stack([one.by_input, other.by_input])
-    draws = np.random.default_rng(0).integers(pair.shape[1], size=(_DRAWS, pair.shape[1]))
-    ratios = _relative(pair[0][draws]) / _relative(pair[1][draws])
-    low, high = np.quantile(ratios, [0.025, 0.975])
-    return float(_relative(pair[0]) / _relative(pair[1])), float(low), float(high)
+    return _with_interval(lambda a, b: _relative(a) / _relative(b), one.by_input, other.by_input)
+
+
+def _with_interval(told: Callable[..., Any], *works: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Whatever is told of works by input, and its 95% interval by bootstrap over the inputs, the same of all."""
+    draws = np.random.default_rng(0).integers(works[0].size, size=(_DRAWS, works[0].size))
+    low, high = np.quantile(told(*(each[draws] for each in works)), [0.025, 0.975])
+    return float(told(*works)), float(low), float(high)
 
 
 def _relative(works: NDArray[np.float64]) -> Any:
@@ -211,17 +263,3 @@ def thermal(groups: Groups, count: int) -> dict[float, Average]:
         works = works_of(groups, np.array([_PUSHES]), starts, hold=HOLD, scene={"anchored": True})
         found[beta] = average(works.work[0], beta)
     return found
-
-
-def _told(works: Works, holds: int) -> Spread:
-    work = works.work / holds
-    whole = float(works.work.sum())
-    return Spread(
-        mean=float(work.mean()),
-        deviation=float(work.std()),
-        by_input=work.mean(axis=1),
-        parts=split(work),
-        viscous=float(works.viscous.sum()) / whole,
-        friction=float(works.friction.sum()) / whole,
-        residual=works.residual,
-    )

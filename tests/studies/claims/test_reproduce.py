@@ -10,7 +10,7 @@ from stickslip.commands import run
 from stickslip.crawler import Actuator, Groups, Scene, simulate
 from stickslip.studies.claims import crawl, twin
 from stickslip.studies.claims import reproduce as reproduction
-from stickslip.studies.claims.claim import Claim, CLAIMS, FIGURES, Number
+from stickslip.studies.claims.claim import Claim, CLAIMS, FIGURES, Number, UNKNOWN
 from stickslip.studies.claims.real_body import BODY, TUBE_MASS
 from stickslip.studies.claims.reproduce import reproduce
 from stickslip.studies.claims.sindy import nmse
@@ -71,7 +71,7 @@ def test_a_reproduction_leaves_claims_a_page_and_pictures(tmp_path, capsys):
     page = (tmp_path / "index.md").read_text(encoding="utf-8")
     assert told["sentence"] in page
     assert "![fig1 of the paper, redone](fig1.png)" in page
-    assert "figS1 to figS5 are not drawn" in page
+    assert "Not drawn: what figS1 to figS5 show is not known" in page
     assert told["body"]["peak pressure"] == {"value": 20.0, "low": None, "high": None, "unit": "kPa"}
     picture = tmp_path / "fig1.png"
     assert picture.stat().st_size > 10_000
@@ -125,7 +125,9 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path):
 
 
 def test_a_claim_is_the_same_once_it_was_kept():
-    claim = Claim("C1", "overturned", "No.", {"a": Number(1.0, 0.5, 1.5)}, "look", {"b": Number(2.0, unit="mm")})
+    claim = Claim(
+        "C1", "overturned", "No.", {"a": Number(1.0, 0.5, 1.5)}, "look", {"b": Number(2.0, unit="mm")}, "Also."
+    )
     assert Claim.from_json(json.loads(json.dumps(claim.as_json()))) == claim
 
 
@@ -152,11 +154,44 @@ def test_half_of_the_real_tube_at_each_end_is_the_real_body():
     np.testing.assert_allclose(twin._one_spring(twin._bare(), twin._TUBE, 0.5, valve)[0], true, atol=1e-9)
 
 
-def test_a_figure_that_is_not_there_is_refused(tmp_path, capsys):
-    with pytest.raises(ValueError, match="figures"):
-        reproduce(tmp_path, ["fig9"])
-    assert run(["reproduce", "fig9", "--output", str(tmp_path)]) == 1
-    assert "fig9" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (["fig9"], "figures has no 'fig9'"),
+        (["fig1", "figS3"], "figures cannot have 'figS3': what figS1 to figS5 show is not known: no claim names them"),
+    ],
+)
+def test_a_figure_that_is_not_there_is_refused_before_anything_is_done(tmp_path, capsys, asked, said):
+    with pytest.raises(ValueError, match=said):
+        reproduce(tmp_path / "new", asked)
+    assert run(["reproduce", *asked, "--output", str(tmp_path / "new")]) == 1
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
+
+
+def test_every_figure_of_the_paper_is_drawn_or_refused_with_the_reason():
+    drawn = {figure for study in reproduction.STUDIES.values() for figure in study.figures}
+    paper = {f"fig{number}" for number in range(1, 6)} | {f"figS{number}" for number in range(1, 11)}
+    assert paper == (drawn - {"work"}) | set(UNKNOWN)
+    assert not drawn & set(UNKNOWN)
+
+
+@pytest.mark.parametrize("asked", [[], ["all"], ["claims"], ["fig1", "all"]])
+def test_all_is_all_whatever_stands_beside_it(tmp_path, monkeypatch, capsys, asked):
+    seen = []
+    monkeypatch.setattr(reproduction, "reproduce", lambda folder, figures, **_: seen.append(figures) or [])
+    assert run(["reproduce", *asked, "--output", str(tmp_path)]) == 0
+    assert seen == [[]]
+    assert "Not drawn: what figS1 to figS5 show is not known" in " ".join(capsys.readouterr().out.split())
+
+
+def test_an_interrupted_command_says_how_to_go_on(tmp_path, monkeypatch, capsys):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(reproduction, "reproduce", interrupted)
+    assert run(["reproduce", "fig1", "--quick", "--output", str(tmp_path)]) == 130
+    assert capsys.readouterr().err == f"interrupted; go on with: stickslip reproduce fig1 --quick --output {tmp_path}\n"
 
 
 def test_every_claim_has_a_figure_that_a_study_draws():
@@ -172,3 +207,4 @@ def test_a_claim_is_one_of_the_paper():
         Claim("C1", "true", "")
     assert str(Number(0.5, 0.25, 0.75, "z_c")) == "0.5 [0.25, 0.75] z_c"
     assert str(Number(0.5)) == "0.5"
+    assert str(Number(2646.4, -1024.0, 1.234e7)) == "2646 [-1024, 1.23e+07]"
