@@ -79,8 +79,8 @@ class Coordinates:
             values["kinetic_friction"] *= values["static_friction"]
         return replace(self.guess, **values)
 
-    def turned(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Slopes of the body's parameters in the point's coordinates, (free, free)."""
+    def jacobian(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Derivatives of the body's parameters by the point's coordinates, (free, free)."""
         slopes = np.diag(self.units)
         if self.kinetic is not None:
             static = self.names.index("static_friction")

@@ -27,12 +27,11 @@ def hidden_friction(found: Identification) -> tuple[str, ...]:
 
 
 def what_is_not_told(
-    names: tuple[str, ...], singular: NDArray[np.float64], directions: NDArray[np.float64], scale: float
+    names: tuple[str, ...], errors: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> tuple[str, ...]:
     """A sentence for each direction in which the fit may move by more than half of the guess."""
     told = []
-    for size, direction in zip(singular, directions, strict=True):
-        error = float(np.sqrt(scale)) / float(size)
+    for error, direction in zip(errors.tolist(), directions, strict=True):
         if error > _UNKNOWN:
             order = np.argsort(-np.abs(direction))
             sign = np.sign(direction[order[0]])

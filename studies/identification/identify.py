@@ -13,18 +13,17 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...common.validation import known_names, whole_number
 from ...crawler import Actuator, Groups, GroupsLike, Scene
 from ...crawler.model.groups import RANGES
+from .coordinates import Coordinates
 from .identifiability import hidden_friction, what_is_not_told
 from .identification import Identification
 from .measurements import Measurements, several
 from .prediction import Body
 from .problem import Problem
-from .profiles import beside, linearised
-from .search import search, STRUCTURED
+from .search import Fit, search, STRUCTURED
 
 __all__ = ["identify"]
 
@@ -77,38 +76,33 @@ def identify(
     names = tuple(RANGES if free is None else free)
     known_names("free", names, [name for name in body.__dataclass_fields__ if name != "segments"])
     whole_number("starts", starts, 1)
-    problem = Problem(runs, body, names, Scene.of(scene), tolerance)
+    problem = Problem.of(runs, Coordinates(body, names), Scene.of(scene), tolerance)
     if problem.samples <= len(names):
         raise ValueError(f"measurements must have more samples than the {len(names)} free, got {problem.samples}")
-    return _told(problem, search(problem, starts, whole_number("seed", seed, 0)))
+    return _told(search(problem, starts, whole_number("seed", seed, 0)))
 
 
-def _told(problem: Problem, point: NDArray[np.float64]) -> Identification:
-    """The identification at a fit."""
-    longest = max(run.valve.size for run in problem.runs)
-    covariance, scale, known, directions = linearised(problem, point, longest)
-    coordinates = problem.coordinates
-    turned = coordinates.turned(point)
-    points, rises = beside(problem, point, longest)
-    values = np.array(
-        [
-            [getattr(coordinates.body(each), name) for each in row]
-            for name, row in zip(coordinates.names, points, strict=True)
-        ]
-    )
+def _told(fit: Fit) -> Identification:
+    """The identification that a fit is."""
+    problem, point, profiles = fit.problem, fit.point, fit.profiles
+    names, body_at = problem.coordinates.names, problem.coordinates.body
+    values = [
+        np.array([getattr(body_at(each), name) for each in row])
+        for name, row in zip(names, profiles.points, strict=True)
+    ]
     found = Identification(
-        body=coordinates.body(point),
-        names=coordinates.names,
-        covariance=turned @ covariance @ turned.T,
-        noise=problem.left(point),
+        body=body_at(point),
+        names=names,
+        covariance=profiles.covariance,
+        noise=problem.noise(point),
         samples=problem.samples,
-        warnings=what_is_not_told(coordinates.names, known, directions, scale),
-        runs=tuple(problem.runs),
+        warnings=what_is_not_told(names, profiles.errors, profiles.directions),
+        runs=problem.runs,
         scene=problem.scene,
-        profiles=dict(zip(coordinates.names, zip(values, rises, strict=True), strict=True)),
+        profiles=dict(zip(names, zip(values, profiles.rises, strict=True), strict=True)),
     )
     more = hidden_friction(found)
-    if problem.structure(point) > STRUCTURED:
+    if fit.structure > STRUCTURED:
         more += (
             "what is left is more than noise, since it goes on from sample to sample: the body differs from the "
             "model, or a better fit was missed",

@@ -1,13 +1,19 @@
-"""The search for the body that fits: many starts on the first holds, and the run lengthened as it closes in."""
+"""The search for the body that fits: many starts on the first holds, and the run lengthened as it closes in.
+
+A wrong guess gets the slips wrong, and then the sum of squares has many valleys. So the search starts from many bodies
+about the guess on the first few holds, where few slips can be wrong, and goes on to longer runs with the best of them.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from .problem import Problem
-from .profiles import beside
+from .problem import mean_squares, Problem
+from .profiles import Profiles, profiles_of
 
-__all__ = ["STRUCTURED", "search"]
+__all__ = ["STRUCTURED", "Fit", "search"]
 
 _FIRST = 12  # holds on which starts are compared
 _LENGTHENED = 3.0  # the run grows by this factor
@@ -15,85 +21,131 @@ _KEPT = 8  # starts that are followed
 _VALLEYS = np.geomspace(0.8, 1.25, 64)  # ratios of static frictions that are compared at the end
 _DEEPEST = 4  # valleys among them that are descended
 _ROUNDS = 4  # descents that may follow one that was not the lowest
-STRUCTURED = 5.0  # standard errors of a correlation above which what is left is no noise
+STRUCTURED = 5.0
+"""Standard errors of a correlation above which what is left is no noise."""
 _AGAIN = (_FIRST, 2 * _FIRST)  # holds on which a fit that leaves more than noise is sought once more
 
 
-def search(problem: Problem, starts: int, seed: int) -> NDArray[np.float64]:
-    """The point that fits best, of all that are found."""
-    longest = max(run.valve.size for run in problem.runs)
+class Fit(NamedTuple):
+    """The point that fits best, of all that were found.
+
+    Attributes
+    ----------
+    problem : Problem
+        With the weights of this fit.
+    point : (free,) array
+    profiles : Profiles
+        About it.
+    structure : float
+        Of what is left, see `Problem.structure`.
+    """
+
+    problem: Problem
+    point: NDArray[np.float64]
+    profiles: Profiles
+    structure: float
+
+
+class _End(NamedTuple):
+    """Where a descent has ended, and the mean square of the residuals there."""
+
+    point: NDArray[np.float64]
+    cost: float
+
+
+def search(problem: Problem, starts: int, seed: int) -> Fit:
+    """Find the point that fits best.
+
+    Parameters
+    ----------
+    problem : Problem
+    starts : int
+        Points about the guess that are compared.
+    seed : int
+        Of these.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    RuntimeError
+        If no start can be simulated.
+    """
     points = problem.coordinates.about_the_guess(starts, seed)
     kept, holds = _KEPT, _FIRST
     while True:
-        holds = min(holds, longest)
-        costs = problem.costs(points, holds)
+        part = problem.until(holds)
+        costs = mean_squares(part.residuals(points))
         best = np.argsort(costs)[:kept]
         if not np.isfinite(costs[best[0]]):
             raise RuntimeError("no body about the guess can be simulated; guess another")
-        points = np.array([_descend(problem, points[i], holds) for i in best if np.isfinite(costs[i])])
-        if holds == longest:
+        ends = [_descended(part, points[i]) for i in best if np.isfinite(costs[i])]
+        if holds >= problem.holds:
             break
+        points = np.array([end.point for end in ends])
         kept, holds = max(1, kept // 2), round(_LENGTHENED * holds)
-    point = points[np.argmin(problem.costs(points, longest))]
-    point = _polished(problem, point, longest)
-    if problem.structure(point) > STRUCTURED:  # a wrong count of slips leaves more than noise
-        ends = [point]
-        for begin in _AGAIN:
-            valleys = _about_the_static_friction(problem, point, begin)
-            holds = begin
-            while holds < longest:
-                valleys = np.array([_descend(problem, each, holds) for each in valleys])
-                holds = round(_LENGTHENED * holds)
-            ends += [_descend(problem, each, longest) for each in valleys]
-        point = _polished(problem, ends[np.argmin(problem.costs(np.array(ends), longest))], longest)
-    return point
+    fit = _polished(problem, _lowest(ends).point)
+    if fit.structure <= STRUCTURED:
+        return fit
+    ends = [_End(fit.point, fit.profiles.least)]  # a wrong count of slips leaves more than noise
+    for begin in _AGAIN:
+        points = _about_the_static_friction(fit.problem.until(begin), fit.point)
+        holds = begin
+        while holds < problem.holds:
+            part = fit.problem.until(holds)
+            points = np.array([_descended(part, each).point for each in points])
+            holds = round(_LENGTHENED * holds)
+        ends += [_descended(fit.problem, each) for each in points]
+    return _polished(fit.problem, _lowest(ends).point)
 
 
-def _about_the_static_friction(problem: Problem, point: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
-    """A point, and the deepest valleys along its static friction, whose sum of squares has a kink a slip."""
-    if "static_friction" not in problem.coordinates.names:
-        return point[np.newaxis]
-    points = problem.coordinates.along_the_static_friction(point, _VALLEYS)
-    costs = problem.costs(points, holds)
-    walls = np.concatenate([[np.inf], costs, [np.inf]])
-    valleys = np.flatnonzero((costs < walls[:-2]) & (costs <= walls[2:]))
-    deepest = valleys[np.argsort(costs[valleys])[:_DEEPEST]]
-    return np.concatenate([point[np.newaxis], points[deepest]])
+def _lowest(ends: list[_End]) -> _End:
+    return min(ends, key=lambda end: end.cost)
 
 
-def _descend(problem: Problem, point: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
+def _descended(problem: Problem, point: NDArray[np.float64]) -> _End:
     """The least sum of squares that is found from a point."""
     low, high = problem.coordinates.bounds()
-    inside = np.clip(point, low + 1e-9, high - 1e-9)
     found = least_squares(
-        lambda x: problem.residuals(x[np.newaxis], holds)[0],
-        inside,
-        jac=lambda x: problem.slopes(x, holds),
+        lambda x: problem.residuals(x[np.newaxis])[0],
+        np.clip(point, low + 1e-9, high - 1e-9),
+        jac=problem.slopes,
         bounds=(low, high),
         xtol=1e-10,
         ftol=1e-10,
         gtol=1e-12,
         max_nfev=30,
     )
-    return np.asarray(found.x)
+    return _End(np.asarray(found.x), float(mean_squares(found.fun)))
 
 
-def _polished(problem: Problem, point: NDArray[np.float64], holds: int) -> NDArray[np.float64]:
+def _about_the_static_friction(problem: Problem, point: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A point, and the deepest valleys along its static friction, whose sum of squares has a kink a slip."""
+    if "static_friction" not in problem.coordinates.names:
+        return point[np.newaxis]
+    points = problem.coordinates.along_the_static_friction(point, _VALLEYS)
+    costs = mean_squares(problem.residuals(points))
+    walls = np.concatenate([[np.inf], costs, [np.inf]])
+    valleys = np.flatnonzero((costs < walls[:-2]) & (costs <= walls[2:]))
+    deepest = valleys[np.argsort(costs[valleys])[:_DEEPEST]]
+    return np.concatenate([point[np.newaxis], points[deepest]])
+
+
+def _polished(problem: Problem, point: NDArray[np.float64]) -> Fit:
     """The lowest of what is found beside a point, weighed by what it leaves."""
     for _ in range(2):  # weights by what is left, then the fit by these weights
-        problem.weigh(point)
-        starts = _about_the_static_friction(problem, point, holds)
-        ends = np.array([_descend(problem, start, holds) for start in starts])
-        point = ends[np.argmin(problem.costs(ends, holds))]
+        problem = problem.weighed(point)
+        point = _lowest([_descended(problem, each) for each in _about_the_static_friction(problem, point)]).point
+    profiles = profiles_of(problem, point)
     for _ in range(_ROUNDS):
-        points, rises = beside(problem, point, holds)
-        lowest = np.unravel_index(np.argmin(rises), rises.shape)
-        if rises[lowest] >= 0.0:
+        lowest = np.unravel_index(np.argmin(profiles.rises), profiles.rises.shape)
+        if profiles.rises[lowest] >= 0.0:
             break
-        lower = _descend(problem, points[lowest], holds)
-        costs = problem.costs(np.array([point, lower]), holds)
-        if not costs[1] < costs[0]:
+        lower = _descended(problem, profiles.points[lowest])
+        if not lower.cost < profiles.least:
             break
-        point = lower
-        problem.weigh(point)
-    return point
+        point, problem = lower.point, problem.weighed(lower.point)
+        profiles = profiles_of(problem, point)
+    return Fit(problem, point, profiles, problem.structure(point))
