@@ -122,14 +122,15 @@ class Measurements:
             told[name] = exact + noise * spread * generator.standard_normal(exact.size)
         return cls(trajectory.valve, trajectory.hold, trajectory.time.size // trajectory.valve.size, **told)
 
-    def until(self, holds: int) -> Self:
-        """The first `holds` of the run."""
+    def until(self, holds: int) -> Self | None:
+        """The first `holds` of the run, without the channels that are a gap all through them; None if all are."""
         if holds >= self.valve.size:
             return self
         inside = self.times <= holds * self.hold * (1.0 + 1e-12)
         told = {name: getattr(self, name)[inside] for name in self.measured}
+        told = {name: values for name, values in told.items() if np.isfinite(values).any()}
         times = self.times[inside] if self.samples_per_hold is None else None
-        return type(self)(self.valve[:holds], self.hold, self.samples_per_hold, times, **told)
+        return type(self)(self.valve[:holds], self.hold, self.samples_per_hold, times, **told) if told else None
 
 
 def several(measurements: Measurements | Sequence[Measurements]) -> list[Measurements]:

@@ -65,8 +65,10 @@ class Problem:
         return sum(int(np.isfinite(getattr(run, name)).sum()) for run in self.runs for name in run.measured)
 
     def until(self, holds: int) -> Self:
-        """The problem of the first holds of every run."""
-        return replace(self, runs=tuple(run.until(holds) for run in self.runs))
+        """The problem of the first holds of every run, or of more, where these have no more samples than are free."""
+        part = replace(self, runs=tuple(each for run in self.runs if (each := run.until(holds)) is not None))
+        enough = part.samples > len(self.coordinates.names) or holds >= self.holds
+        return part if enough else self.until(2 * holds)
 
     def weighed(self, point: NDArray[np.float64]) -> Self:
         """The problem with the errors of the channels taken from what the body at a point leaves of them."""

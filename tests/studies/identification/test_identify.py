@@ -107,6 +107,35 @@ def test_an_actuator_is_found_in_si():
     assert found.groups == found.body.groups
 
 
+def test_each_channel_is_weighed_by_the_noise_that_is_left_of_it():
+    motion = simulate(TRUTH, random_bits(20, 0), 1.0, samples_per_hold=8)
+    exact, rough = (Measurements.of(motion, name, noise=noise) for name, noise in (("pressure", 1e-4), ("foot", 3.0)))
+    both = replace(exact, times=None, foot=rough.foot)
+    alone, together = (identify(run, free=("deborah",), guess=TRUTH, starts=1) for run in (exact, both))
+    error = np.sqrt(alone.covariance[0, 0])
+    assert abs(together.groups.deborah - alone.groups.deborah) < 0.1 * error
+    assert together.covariance[0, 0] == pytest.approx(alone.covariance[0, 0], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("free", "other", "value"),
+    [("kinetic_friction", "static_friction", 0.2), ("static_friction", "kinetic_friction", 0.4)],
+)
+def test_one_friction_goes_as_far_as_the_other_which_is_taken_as_it_was_guessed(free, other, value):
+    guess = replace(TRUTH, static_friction=value, kinetic_friction=value)
+    found = identify(measured("foot", holds=10), free=(free,), guess=guess, starts=8)
+    assert getattr(found.groups, other) == value
+    assert getattr(found.groups, free) == pytest.approx(value, rel=1e-4)
+
+
+def test_a_marker_that_was_hidden_at_first_is_fitted_from_when_it_was_seen():
+    whole = measured("deformation", "foot", holds=40)
+    late = np.where(np.arange(320) < 120, np.nan, whole.foot)
+    for run in (replace(whole, times=None, foot=late), Measurements(whole.valve, 1.0, 8, foot=late)):
+        found = identify(run, free=("deborah", "kinetic_friction"), guess={**TRUTH.to_dict(), "deborah": 0.5}, starts=8)
+        assert found.groups.deborah == pytest.approx(TRUTH.deborah, rel=0.02)
+
+
 def test_what_the_data_cannot_tell_is_said():
     # The valve is never opened: nothing moves, and nothing is told.
     still = Measurements(np.zeros(20), 1.0, 4, pressure=1e-3 * np.random.default_rng(0).standard_normal(80))
