@@ -5,20 +5,11 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..common.validation import number_within
+from ..crawler.model.channels import CHANNEL_UNITS
 
 __all__ = ["SENSORS", "Limits", "Readings", "SensorError", "Sensors", "unit_of"]
 
-_LENGTHS = {"m": 1.0, "cm": 1e2, "mm": 1e3, "um": 1e6}
-_VELOCITIES = {f"{name}_s": parts for name, parts in _LENGTHS.items()}
-_PRESSURES = {"Pa": 1.0, "mbar": 1e-2, "kPa": 1e-3, "bar": 1e-5, "MPa": 1e-6}
-SENSORS = {
-    "deformation": _LENGTHS,
-    "velocity": _VELOCITIES,
-    "pressure": _PRESSURES,
-    "foot": _LENGTHS,
-    "foot_velocity": _VELOCITIES,
-    "payload": _LENGTHS,
-}
+SENSORS = CHANNEL_UNITS
 """What may be measured, and the units that follow its name, as in ``deformation_mm``, with how many are one of SI."""
 
 Limits = Mapping[str, tuple[float, float]]

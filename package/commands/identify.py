@@ -83,6 +83,7 @@ def identify(
     found = find([each.run for each in read], free=names, guess=body, scene=ground)
     _print(found, read, level)
     told = found.to_dict(level) | {"logs": [str(log) for log in logs], "holds": [each.run.hold for each in read]}
+    told["hold_bounds"] = [each.hold_bounds for each in read]
     if design is not None:
         following = found.next_word(design)
         told["design"] = asdict(following)
@@ -116,6 +117,9 @@ def _print(found: "Identification", read: list["Log"], level: float) -> None:
         unit = "s" if each.si else "natural units of time"
         channels = ", ".join(name.replace("_", " ") for name in run.measured)
         say(f"{run.valve.size} holds of {run.hold:.6g} {unit}, {run.times.size} samples of {channels}")
+        if each.hold_bounds is not None:
+            low, high = each.hold_bounds
+            say(f"the valve's turns let a hold be {low:.6g} to {high:.6g}; --hold says it better")
         if each.ignored:
             say(f"no channel, and not used: {', '.join(each.ignored)}")
     rows = [["", "found", f"{100.0 * level:g}% interval", ""]]

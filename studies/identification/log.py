@@ -8,6 +8,7 @@ import csv
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -15,28 +16,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.validation import number_within
+from ...crawler.model.channels import CHANNEL_UNITS, TIME_UNITS
 from .measurements import CHANNELS, Measurements
 
 __all__ = ["UNITS", "Log", "read_log"]
 
-_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
-_VELOCITIES = {f"{name}_s": factor for name, factor in _LENGTHS.items()}
-_PRESSURES = {"Pa": 1.0, "mbar": 1e2, "kPa": 1e3, "bar": 1e5, "MPa": 1e6}
-UNITS = {
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
-    "valve": {},
-    "deformation": _LENGTHS,
-    "velocity": _VELOCITIES,
-    "pressure": _PRESSURES,
-    "foot": _LENGTHS,
-    "foot_velocity": _VELOCITIES,
-    "payload": _LENGTHS,
-}
-"""Columns of a log, and the units in SI that may follow their names, as in ``foot_mm``. Without one it is natural."""
+UNITS = {"time": TIME_UNITS, "valve": {}, **CHANNEL_UNITS}
+"""Columns of a log, and the units that may follow their names, as in ``foot_mm``, with how many are one of SI. Without
+one it is natural."""
 _NEEDED = ("time", "valve")
 _GAPS = {"", "nan"}
-# The roundest number within so little of the middle of what the samples allow is taken for a hold.
-_DIGITS = 15
+_DIGITS = 10  # that a round number may have
+_CHANCE = 0.1  # that an interval has a round number in it which nobody set
+_ROUNDING = 1e-12  # relative, of numbers
+_ROUNDED = 0.75  # of the last digit of times: as far off are those that are rounded to it
+_FEW = 10  # rows that do not tell whether they are equally spaced
 _COARSE = 0.25  # of a hold, between rows: of wider gaps no hold is found
 _SAME_TIME = 1e-6  # of a hold, or of the way between two samples
 
@@ -52,11 +46,14 @@ class Log:
         Whether its units are SI, or else natural.
     ignored : tuple of str
         Columns that are no channel.
+    hold_bounds : (least, greatest) or None
+        Between which the rows let the hold be, where it was found from the turns of the valve.
     """
 
     run: Measurements
     si: bool
     ignored: tuple[str, ...]
+    hold_bounds: tuple[float, float] | None
 
 
 def read_log(file: Path, hold: float | None = None) -> Log:
@@ -70,8 +67,9 @@ def read_log(file: Path, hold: float | None = None) -> Log:
         or each with a unit of `UNITS`, such as ``time_s`` and ``foot_mm``. An empty cell, or nan, is a gap. Positions
         count from where the body rested.
     hold : float, optional
-        Length of a hold, in the unit of time (s in SI). By default the longest of which the valve turns at multiples,
-        rounded as far as the samples allow.
+        Length of a hold, in the unit of time (s in SI). By default the longest of which the valve turns at multiples.
+        The rows tell it within bounds. Of these the middle is taken, or what somebody may have set, where that is
+        hardly there by chance: a whole number of equally spaced rows, a round time, a round rate.
 
     Returns
     -------
@@ -98,10 +96,11 @@ def read_log(file: Path, hold: float | None = None) -> Log:
     valve = table.column("valve")
     for i in np.flatnonzero(~np.isnan(valve) & (valve != 0.0) & (valve != 1.0)).tolist():
         raise ValueError(f"{table.place(i)}: valve must be 0 or 1, got {table.cell('valve', i)}")
-    length = _found_hold(times, valve, file) if hold is None else hold
+    times = _evened(times, table.last_digit("time"))
+    length, bounds = _found_hold(times, valve, file) if hold is None else (hold, None)
     channels = {name: table.column(name) for name in CHANNELS if name in table.names}
     schedule = _schedule(times, valve, length, table)
-    return Log(_run(times, schedule, length, channels), table.si, table.ignored)
+    return Log(_run(times, schedule, length, channels), table.si, table.ignored, bounds)
 
 
 class _Table:
@@ -114,7 +113,7 @@ class _Table:
             _, header = next(lines)
         except StopIteration:
             raise ValueError(f"{file} must have a line of column names, it is empty") from None
-        self.names, self._factors, self.ignored = _columns(file, header)
+        self.names, self._parts, self.ignored = _columns(file, header)
         self._places = {name: header.index(title) for name, title in self.names.items()}
         self._numbers, self._rows = [], []
         for number, row in lines:
@@ -138,6 +137,11 @@ class _Table:
         """What stands there."""
         return self._rows[row][self._places[name]]
 
+    def last_digit(self, name: str) -> float:
+        """The unit of the last digit that any number of a column is written with."""
+        place = min(int(Decimal(self.cell(name, i)).as_tuple().exponent) for i in range(len(self._rows)))
+        return 10.0**place / self._parts[name]
+
     def column(self, name: str) -> NDArray[np.float64]:
         """Numbers of a column, NaN for its gaps."""
         values = np.empty(len(self._rows))
@@ -149,7 +153,7 @@ class _Table:
                 values[i] = math.inf
             if math.isinf(values[i]):
                 raise ValueError(f"{self.place(i)}: {self.names[name]} must be a number or empty, got {cell!r}")
-        return values * self._factors[name]
+        return values / self._parts[name]
 
 
 def _lines(file: Path) -> Iterator[tuple[int, list[str]]]:
@@ -168,9 +172,9 @@ def _lines(file: Path) -> Iterator[tuple[int, list[str]]]:
 
 
 def _columns(file: Path, header: Sequence[str]) -> tuple[dict[str, str], dict[str, float], tuple[str, ...]]:
-    """Title and factor of each channel among the columns, and the titles of the others."""
+    """Title of each channel among the columns and how many of its unit are one of SI, and the titles of the others."""
     names: dict[str, str] = {}
-    factors: dict[str, float] = {}
+    parts: dict[str, float] = {}
     ignored = []
     for title in header:
         # Of foot and foot_velocity the longer, if both fit.
@@ -184,7 +188,7 @@ def _columns(file: Path, header: Sequence[str]) -> tuple[dict[str, str], dict[st
             raise ValueError(f"{file}: the unit of {title} must be {allowed}, got {unit!r}")
         if name in names:
             raise ValueError(f"{file} must have one column for the {name}, got {names[name]} and {title}")
-        names[name], factors[name] = title, UNITS[name][unit] if unit else 1.0
+        names[name], parts[name] = title, UNITS[name][unit] if unit else 1.0
     for name in _NEEDED:
         if name not in names:
             units = "".join(f", or {name}_{unit}" for unit in list(UNITS[name])[:1])
@@ -196,11 +200,13 @@ def _columns(file: Path, header: Sequence[str]) -> tuple[dict[str, str], dict[st
     if natural and len(natural) <= len(measured):
         other = next(names[name] for name in ("time", *measured) if names[name] != name)
         raise ValueError(f"{file} must be all in SI units or all in natural ones, got {other} and {natural[0]}")
-    return names, factors, tuple(ignored)
+    return names, parts, tuple(ignored)
 
 
-def _found_hold(times: NDArray[np.float64], valve: NDArray[np.float64], file: Path) -> float:
-    """The longest hold of which the valve turns at multiples, as round as the rows allow."""
+def _found_hold(
+    times: NDArray[np.float64], valve: NDArray[np.float64], file: Path
+) -> tuple[float, tuple[float, float]]:
+    """The longest hold of which the valve turns at multiples, and the least and greatest that the rows allow."""
     told = ~np.isnan(valve)
     t, states = np.append(0.0, times[told]), np.append(valve[told][:1], valve[told])
     turned = np.flatnonzero(np.diff(states))
@@ -219,18 +225,51 @@ def _found_hold(times: NDArray[np.float64], valve: NDArray[np.float64], file: Pa
             if low > high * (1.0 + _SAME_TIME):
                 break
         else:
-            return _roundest(low, high)
+            low, high = float(min(low, high)), float(max(low, high))
+            return _likeliest(low, high, times), (low, high)
     raise ValueError(f"hold must be given for {file}: its valve turns at multiples of no one time that its rows tell")
 
 
-def _roundest(low: float, high: float) -> float:
-    """The number of fewest digits in an interval, its ends included but for rounding."""
-    low, high = min(low, high), max(low, high)
+def _likeliest(low: float, high: float, times: NDArray[np.float64]) -> float:
+    """The hold in an interval that somebody may have set: so many rows, a round time or a round rate.
+
+    Each only where an interval of this length has one by chance in less than a tenth of all cases; else the middle.
+    """
+    row = float(times[-1] - times[0]) / max(len(times) - 1, 1)
+    even = np.max(np.abs(times - times[0] - row * np.arange(len(times)))) <= _SAME_TIME * row
+    rows = round(0.5 * (low + high) / row) if even else 0
+    within = _SAME_TIME * low
+    if high - low < _CHANCE * row and low - within <= rows * row <= high + within:
+        low, high = rows * row - within, rows * row + within
     for digits in range(1, _DIGITS):
-        middle = float(f"{0.5 * (low + high):.{digits}g}")
-        if low * (1.0 - 1e-12) <= middle <= high * (1.0 + 1e-12):
-            return middle
+        if time := _round_between(low, high, digits):
+            return time
+        if rate := _round_between(1.0 / high, 1.0 / low, digits):
+            return 1.0 / rate
     return 0.5 * (low + high)
+
+
+def _round_between(low: float, high: float, digits: int) -> float | None:
+    """A number of so many digits in an interval, its ends included, if few so long would have one by chance."""
+    middle = 0.5 * (low + high)
+    step = 10.0 ** (math.floor(math.log10(middle)) + 1 - digits)
+    found = float(f"{middle:.{digits}g}")
+    inside = low * (1.0 - _ROUNDING) <= found <= high * (1.0 + _ROUNDING)
+    return found if inside and high - low < _CHANCE * step else None
+
+
+def _evened(times: NDArray[np.float64], unit: float) -> NDArray[np.float64]:
+    """Times whose rows are equally spaced but for the rounding to a multiple of some unit, without this rounding."""
+    rows = np.arange(len(times))
+    if len(times) < _FEW:
+        return times
+    step, begin = np.polyfit(rows, times, 1)
+    since = step * rows
+    for even in (since + round(begin / step) * step, since + begin):
+        off = np.max(np.abs(times - even))
+        if _SAME_TIME * step < off <= _ROUNDED * unit:
+            return np.maximum(even, 0.0)
+    return times
 
 
 def _schedule(

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from ...common.validation import finite_array, number_within, whole_number
 from ...crawler import Trajectory
+from ...crawler.model.channels import CHANNEL_UNITS
 
 __all__ = ["CHANNELS", "Measurements", "several"]
 
-CHANNELS = ("deformation", "velocity", "pressure", "foot", "foot_velocity", "payload")
+CHANNELS = tuple(CHANNEL_UNITS)
 """What may be measured; each is an attribute of `Measurements` and of `Trajectory`."""
 
 

@@ -90,9 +90,55 @@ def test_the_hold_is_found_from_when_the_valve_turns(tmp_path, hold, late):
     times = (np.arange(200) + late) * hold / 20
     lines = [f"{t!r},{word[min(int(t / hold + 1e-9), 9)]},0.1" for t in times.tolist()]
     run = read_log(written(tmp_path, "time,valve,foot\n" + "\n".join(lines))).run
-    # A number of three digits is told from samples of a twentieth; a third of one to what they allow.
-    assert run.hold == pytest.approx(hold, rel=1e-12 if hold in (0.05, 0.125) else 0.05 / 9)
+    assert run.hold == pytest.approx(hold, rel=1e-12)
     np.testing.assert_array_equal(run.valve, word)
+
+
+def hold_of(folder, hold, times, holds=40, digits=None):
+    """A log of random bits that was read back: the hold that is found, and its bounds."""
+    word = random_bits(holds, 3)
+    told = [word[min(int(t / hold + 1e-9), holds - 1)] for t in times]
+    written_times = [repr(float(t)) if digits is None else f"{t:.{digits}f}" for t in times]
+    lines = [f"{t},{valve},0.1" for t, valve in zip(written_times, told, strict=True)]
+    return read_log(written(folder, "time,valve,foot\n" + "\n".join(lines)))
+
+
+def test_a_hold_of_whole_rows_is_found_as_such(tmp_path):
+    # Between 0.03117 and 0.03125, by the rows about the last turn, 0.0312 is no more likely than anything else.
+    read = hold_of(tmp_path, 0.03125, np.arange(1, 321) / 256)
+    low, high = read.hold_bounds
+    assert low < 0.0312 < high
+    assert (read.run.hold, read.run.samples_per_hold) == (0.03125, 8)
+
+
+def test_a_hold_of_a_round_rate_is_found_as_such(tmp_path):
+    read = hold_of(tmp_path, 1.0 / 32.0, np.arange(2083) * 0.003, holds=200)
+    low, high = read.hold_bounds
+    assert low < read.run.hold == 1.0 / 32.0 <= high
+
+
+def test_times_that_were_rounded_are_read_as_the_equally_spaced_ones_that_they_were(tmp_path):
+    read = hold_of(tmp_path, 0.0625, np.arange(1, 321) / 128, digits=3)
+    assert read.run.hold == pytest.approx(0.0625, rel=1e-4)
+    assert read.run.samples_per_hold == 8
+
+
+def test_of_a_hold_that_is_not_round_the_middle_of_its_bounds_is_taken(tmp_path):
+    true = 0.0317459
+    times = (np.arange(1, 400) + np.random.default_rng(0).uniform(-0.3, 0.3, 399)) * true / 10
+    read = hold_of(tmp_path, true, times)
+    low, high = read.hold_bounds
+    assert low <= true <= high
+    assert read.run.hold == pytest.approx(0.5 * (low + high), rel=1e-12)
+    assert high - low < 0.01 * true
+    # Nor is the only round number in wide bounds more than chance: 0.06 is among those of this hold.
+    few = hold_of(tmp_path, 0.0613, times[:99] * 0.0613 / true, holds=10)
+    low, high = few.hold_bounds
+    assert few.run.hold == pytest.approx(0.5 * (low + high), rel=1e-12)
+
+
+def test_a_hold_that_is_given_has_no_bounds(tmp_path):
+    assert read_log(written(tmp_path, NATURAL), 1.0).hold_bounds is None
 
 
 @pytest.mark.parametrize(
