@@ -119,7 +119,7 @@ def _print(found: "Identification", read: list["Log"], level: float) -> None:
         say(f"{run.valve.size} holds of {run.hold:.6g} {unit}, {run.times.size} samples of {channels}")
         if each.hold_bounds is not None:
             low, high = each.hold_bounds
-            say(f"the valve's turns let a hold be {low:.6g} to {high:.6g}; --hold says it better")
+            say(f"the valve's turns let a hold be {low:.6g} to {high:.6g}; --hold says it exactly")
         if each.ignored:
             say(f"no channel, and not used: {', '.join(each.ignored)}")
     rows = [["", "found", f"{100.0 * level:g}% interval", ""]]
