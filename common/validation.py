@@ -72,6 +72,28 @@ def known_names(name: str, given: Iterable[Any], allowed: Iterable[str]) -> None
             raise ValueError(f"{name} has no {each!r}; allowed are {known}")
 
 
+def different_names(name: str, given: Iterable[Any], allowed: Iterable[str]) -> None:
+    """Refuse a name that is not among those allowed or is there twice, and no name at all.
+
+    Parameters
+    ----------
+    name : str
+        What the caller calls the argument.
+    given : iterable
+        The names the caller was given.
+    allowed : iterable of str
+
+    Raises
+    ------
+    ValueError
+        If one of `given` is unknown or given twice, or there is none.
+    """
+    known, names = list(allowed), list(given)
+    known_names(name, names, known)
+    if not names or len(set(names)) < len(names):
+        raise ValueError(f"{name} must be one or several of {known}, each once, got {names}")
+
+
 def truth_value(name: str, value: Any) -> bool:
     """Convert a truth value, Python's or NumPy's, to Python's.
 

@@ -72,7 +72,7 @@ def identify(
     number_within("--level", level, "(0, 1)")
     if design is not None:
         whole_number("--design", design, 1, 1000)
-    body = actuator_of(actuator) if actuator is not None else None if guess is None else groups_of(guess)
+    body = actuator_of(actuator) if actuator is not None else None if guess is None else groups_of(guess, "--guess")
     names = None if free is None else [name.strip() for name in free.split(",")]
     if names is None and actuator is not None:
         names = list(_OF_AN_ACTUATOR)

@@ -70,9 +70,9 @@ def actuator_of(text: str) -> "Actuator":
     return Actuator(**given)
 
 
-def groups_of(text: str) -> str | dict[str, Any]:
+def groups_of(text: str, option: str = "--groups") -> str | dict[str, Any]:
     """A preset's name, or a mapping of fields from JSON."""
-    return json_object("--groups", text) if text.lstrip().startswith("{") else text
+    return json_object(option, text) if text.lstrip().startswith("{") else text
 
 
 def json_object(option: str, text: str) -> dict[str, Any]:

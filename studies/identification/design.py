@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.validation import known_names, whole_number
-from ...crawler import Scene
+from ...common.validation import different_names, finite_array, known_names, number_within, whole_number
+from ...crawler import Actuator, Groups, GroupsLike, Scene
 from .measurements import CHANNELS, Measurements
-from .prediction import Body, slopes_of
+from .prediction import slopes_of
 
 __all__ = ["ALL", "Design", "best_word"]
 
@@ -58,7 +58,7 @@ class Design:
 
 
 def best_word(
-    body: Body,
+    body: GroupsLike,
     length: int,
     *,
     names: Sequence[str],
@@ -74,7 +74,7 @@ def best_word(
 
     Parameters
     ----------
-    body : Groups or Actuator
+    body : Groups, preset, mapping or Actuator
         What is known of the body; SI goes with an `Actuator`.
     length : int, in [1, 1000]
         Holds of the word.
@@ -104,10 +104,15 @@ def best_word(
         If an argument is out of its range or of the wrong type; the message names it.
     """
     length = whole_number("length", length, 1, _LONGEST)
-    known_names("names", names, [name for name in body.__dataclass_fields__ if name != "segments"])
+    body = body if isinstance(body, Actuator) else Groups.of(body)
+    each = whole_number("samples_per_hold", samples_per_hold, 1)
+    hold = number_within("hold", hold, "(0, inf)")
+    different_names("names", names, [name for name in body.__dataclass_fields__ if name != "segments"])
     known_names("noise", noise, CHANNELS)
-    if not noise or min(noise.values()) <= 0.0:
+    if not noise:
         raise ValueError(f"noise must have a positive number for each channel that is measured, got {noise}")
+    for name, error in noise.items():
+        number_within(f"noise of {name}", error, "(0, inf)")
     if aim is not None:
         known_names("aim", [aim], [*names, ALL])
     values = np.array([getattr(body, name) for name in names])
@@ -116,12 +121,15 @@ def best_word(
     # Relative to the parameters, of which each is known to its size at least.
     known = np.eye(len(names))
     if covariance is not None:
-        known = known + np.linalg.pinv(np.asarray(covariance) / np.outer(values, values), hermitian=True)
+        given = finite_array("covariance", covariance, 2)
+        if given.shape != known.shape:
+            raise ValueError(f"covariance must have shape {known.shape}, a row and a column a name, got {given.shape}")
+        known = known + np.linalg.pinv(given / np.outer(values, values), hermitian=True)
     ground = Scene.of(scene)
 
     def information(word: NDArray[np.int64]) -> NDArray[np.float64]:
-        silent: dict[str, Any] = {name: np.zeros(length * samples_per_hold) for name in noise}
-        run = Measurements(word.astype(np.float64), hold, samples_per_hold, **silent)
+        silent: dict[str, Any] = {name: np.zeros(length * each) for name in noise}
+        run = Measurements(word.astype(np.float64), hold, each, **silent)
         told = known.copy()
         for name, slopes in slopes_of(body, run, ground, _TOLERANCE, names).items():
             relative = slopes * values / noise[name]

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...common.validation import known_names, whole_number
+from ...common.validation import different_names, whole_number
 from ...crawler import Actuator, Groups, GroupsLike, Scene
 from ...crawler.model.groups import RANGES
 from .coordinates import Coordinates
@@ -65,7 +65,7 @@ def identify(
     Raises
     ------
     ValueError, TypeError
-        If a name is not a field of the guess, or there are no more samples than free parameters.
+        If a name is not a field of the guess or there twice, or there are no more samples than free parameters.
     RuntimeError
         If no start can be simulated.
     """
@@ -74,7 +74,7 @@ def identify(
     if free is None and isinstance(body, Actuator):
         raise ValueError("free must name what to find of an Actuator, got None")
     names = tuple(RANGES if free is None else free)
-    known_names("free", names, [name for name in body.__dataclass_fields__ if name != "segments"])
+    different_names("free", names, [name for name in body.__dataclass_fields__ if name != "segments"])
     whole_number("starts", starts, 1)
     problem = Problem.of(runs, Coordinates(body, names), Scene.of(scene), tolerance)
     if problem.samples <= len(names):

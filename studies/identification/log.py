@@ -5,6 +5,7 @@ hold is found from when the valve turns where nobody says it.
 """
 
 import csv
+import io
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -107,7 +108,7 @@ class _Table:
     """The cells of a file, and where each stands."""
 
     def __init__(self, file: Path) -> None:
-        self._file = file
+        self.file = file
         lines = _lines(file)
         try:
             _, header = next(lines)
@@ -131,7 +132,7 @@ class _Table:
 
     def place(self, row: int) -> str:
         """Where a row stands, in words."""
-        return f"{self._file}, line {self._numbers[row]}"
+        return f"{self.file}, line {self._numbers[row]}"
 
     def cell(self, name: str, row: int) -> str:
         """What stands there."""
@@ -151,6 +152,8 @@ class _Table:
                 values[i] = math.nan if cell.lower() in _GAPS else float(cell)
             except ValueError:
                 values[i] = math.inf
+            if "_" in cell:  # which Python reads over, as in 1_000
+                values[i] = math.inf
             if math.isinf(values[i]):
                 raise ValueError(f"{self.place(i)}: {self.names[name]} must be a number or empty, got {cell!r}")
         return values / self._parts[name]
@@ -164,11 +167,14 @@ def _lines(file: Path) -> Iterator[tuple[int, list[str]]]:
         raise ValueError(f"{file} must be text in UTF-8, it is not") from None
     first = text.partition("\n")[0]
     separator = max(",;\t", key=first.count)
-    reader = csv.reader(text.splitlines(), delimiter=separator)
-    for row in reader:
-        cells = [cell.strip() for cell in row]
-        if any(cells):
-            yield reader.line_num, cells
+    reader = csv.reader(io.StringIO(text), delimiter=separator)
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if any(cells):
+                yield reader.line_num, cells
+    except csv.Error as error:
+        raise ValueError(f"{file}, line {reader.line_num}: cells must be of a CSV file, got a {error}") from None
 
 
 def _columns(file: Path, header: Sequence[str]) -> tuple[dict[str, str], dict[str, float], tuple[str, ...]]:
@@ -276,7 +282,12 @@ def _schedule(
     times: NDArray[np.float64], valve: NDArray[np.float64], hold: float, table: _Table
 ) -> NDArray[np.float64]:
     """Valve of each hold, by the rows within it; a row at an edge may tell of either side."""
-    holds = math.ceil(times[-1] / hold - _SAME_TIME)
+    holds = max(1, math.ceil(times[-1] / hold - _SAME_TIME))
+    if holds > len(times):
+        raise ValueError(
+            f"hold must be such that a row tells the valve of each, got {hold:g} for the {len(times)} rows of "
+            f"{table.file}, which last {times[-1]:g}"
+        )
     into = times / hold
     inside = np.abs(into - np.round(into)) > _SAME_TIME
     schedule = np.full(holds, math.nan)

@@ -7,8 +7,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.validation import finite_array, number_within, whole_number
-from ...crawler import Trajectory
+from ...common.validation import finite_array, known_names, number_within, whole_number
+from ...crawler import Groups, Trajectory
 from ...crawler.model.channels import CHANNEL_UNITS
 
 __all__ = ["CHANNELS", "Measurements", "several"]
@@ -77,7 +77,10 @@ class Measurements:
 
     def _channel(self, name: str) -> NDArray[np.float64]:
         """The samples of a channel, checked."""
-        values: NDArray[np.float64] = np.asarray(getattr(self, name), dtype=np.float64)
+        try:
+            values: NDArray[np.float64] = np.asarray(getattr(self, name), dtype=np.float64)
+        except (TypeError, ValueError):
+            raise TypeError(f"{name} must be an array of real numbers, got {getattr(self, name)!r}") from None
         if values.shape != self.times.shape:
             raise ValueError(f"{name} must have {self.times.size} samples, one a time, got shape {values.shape}")
         if np.isinf(values).any() or np.isnan(values).all():
@@ -113,8 +116,18 @@ class Measurements:
         Returns
         -------
         Measurements
+
+        Raises
+        ------
+        ValueError, TypeError
+            If an argument is out of range, or the trajectory is of several crawlers or does not begin at rest.
         """
         number_within("noise", noise, "[0, inf)")
+        known_names("channels", channels, CHANNELS)
+        if not isinstance(trajectory.groups, Groups):
+            raise ValueError(f"trajectory must be of one crawler, got {len(trajectory.groups)}")
+        if any(np.any(value) for value in trajectory.initial):
+            raise ValueError(f"trajectory must begin at rest, got one from {trajectory.initial}")
         generator = np.random.default_rng(whole_number("seed", seed, 0))
         told: dict[str, Any] = {}
         for name in channels:
@@ -136,7 +149,7 @@ class Measurements:
 
 def several(measurements: Measurements | Sequence[Measurements]) -> list[Measurements]:
     """One run or a sequence of them, as a list."""
-    runs = [measurements] if isinstance(measurements, Measurements) else list(measurements)
+    runs = list(measurements) if isinstance(measurements, Sequence) else [measurements]
     if not runs or not all(isinstance(run, Measurements) for run in runs):
         raise TypeError(f"measurements must be Measurements or a sequence of them, got {measurements!r}")
     return runs

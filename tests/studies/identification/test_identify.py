@@ -79,6 +79,20 @@ def test_gaps_and_times_of_their_own_make_no_difference_but_to_the_error():
     assert found.samples == 400 + 300
 
 
+@pytest.mark.parametrize("hold", [0.5, 4.0, 40.0])
+@pytest.mark.parametrize("lag", [0.5, 0.02])
+def test_bodies_are_predicted_at_times_of_their_own_however_long_a_hold_is(hold, lag):
+    body, valve = replace(TRUTH, deborah=lag), [1.0, 0.0, 0.3, 1.0]
+    exact = simulate(body, valve, hold, samples_per_hold=4800)
+    some = slice(1, None, 13)
+    channels = {name: getattr(exact, name)[some] for name in CHANNELS}
+    run = Measurements(valve, hold, times=exact.time[some], **channels)
+    for name, (values,) in predicted([body], run, Scene(), 1e-9).items():
+        error = np.abs(values - channels[name]) / (np.std(channels[name]) or 1.0)
+        assert np.sqrt(np.mean(error**2)) < 3e-3, name
+        assert error.max() < (1e-12 if name == "pressure" else 0.05), name
+
+
 def replace_channel(run, **channels):
     told = {name: getattr(run, name) for name in run.measured} | channels
     return Measurements(run.valve, run.hold, times=run.times, **told)
@@ -250,13 +264,26 @@ def test_refuses_what_is_no_measurement(change, message):
         Measurements(**whole | change)
 
 
+def test_refuses_instruments_that_tell_of_no_one_run_from_rest():
+    one = simulate(TRUTH, [1, 0], 0.5)
+    with pytest.raises(ValueError, match="trajectory must be of one crawler, got 2"):
+        Measurements.of(simulate([TRUTH, TRUTH], [1, 0], 0.5), "foot")
+    with pytest.raises(ValueError, match="trajectory must begin at rest"):
+        Measurements.of(simulate(TRUTH, [1, 0], 0.5, initial=one.final_state), "foot")
+    with pytest.raises(ValueError, match="channels has no 'slips'"):
+        Measurements.of(one, "slips")
+    with pytest.raises(TypeError, match="foot must be an array of real numbers"):
+        Measurements([1, 0], 0.5, 1, foot=["a", "b"])
+
+
 def test_refuses_what_cannot_be_identified():
     run = Measurements([0.0, 1.0], 1.0, 1, foot=[0.0, 1.0])
     with pytest.raises(ValueError, match="measurements must have more samples than the 7 free, got 2"):
         identify(run)
     with pytest.raises(ValueError, match="free must name what to find of an Actuator"):
         identify(run, guess=Actuator.ecoflex())
-    with pytest.raises(ValueError, match="free"):
-        identify(run, free=("colour",))
+    for free in ((), ("colour",), ("duffing", "duffing")):
+        with pytest.raises(ValueError, match="free "):
+            identify(run, free=free)
     with pytest.raises(TypeError, match="measurements must be Measurements or a sequence"):
         identify([])

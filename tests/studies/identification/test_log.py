@@ -158,6 +158,12 @@ def test_a_hold_that_is_given_has_no_bounds(tmp_path):
         ("time,valve,foot_mm,pressure\n1,0,1,1\n", "must be all in SI units or all in natural ones, got foot_mm and"),
         ("time,valve,foot,foot\n1,0,1,1\n", "log.csv must have one column for the foot, got foot and foot"),
         (NATURAL.replace("0.2", "0.2m"), "log.csv, line 3: foot must be a number or empty, got '0.2m'"),
+        (NATURAL.replace("0.2", "1_0"), "log.csv, line 3: foot must be a number or empty, got '1_0'"),
+        (NATURAL.replace("0.2", '"0\n2"'), "log.csv, line 4: foot must be a number or empty, got '0\\n2'"),
+        (
+            NATURAL.replace("0.2", 200_000 * "1"),
+            "log.csv, line 3: cells must be of a CSV file, got a field",
+        ),
         (NATURAL.replace("0.2", "inf"), "log.csv, line 3: foot must be a number or empty, got 'inf'"),
         (NATURAL.replace("2.0,0", "2.0,0.5"), "log.csv, line 5: valve must be 0 or 1, got 0.5"),
         (NATURAL.replace("1.5,0,", "1.5,0"), "log.csv, line 4: 3 cells are expected, got 2"),
@@ -168,7 +174,10 @@ def test_a_hold_that_is_given_has_no_bounds(tmp_path):
             NATURAL.replace("0.5,1", "0.5,0"),
             "line 3: the valve must stay as it is within a hold of 2, which began at 0",
         ),
-        ("time,valve,foot\n1,1,0\n5,0,0\n", "line 2 and on: a row must tell the valve of each hold of 2, none tells"),
+        (
+            "time,valve,foot\n1,1,0\n1.5,1,0\n5,0,0\n",
+            "line 2 and on: a row must tell the valve of each hold of 2, none tells",
+        ),
     ],
 )
 def test_refuses_what_is_no_log_and_says_where(tmp_path, text, message):
@@ -182,6 +191,9 @@ def test_refuses_a_hold_that_the_rows_do_not_tell(tmp_path):
         read_log(written(tmp_path, "time,valve,foot\n1,1,0\n2,1,0\n"))
     with pytest.raises(ValueError, match="its valve turns at multiples of no one time that its rows tell"):
         read_log(written(tmp_path, "time,valve,foot\n1,1,0\n2,0,0\n3,1,0\n"))
+    with pytest.raises(ValueError, match=r"a row tells the valve of each, got 1e-09 for the 4 rows of .*log.csv,"):
+        read_log(written(tmp_path, NATURAL), 1e-9)
+    assert read_log(written(tmp_path, "time,valve,foot\n1,1,0\n2,1,0\n"), 1e300).run.valve.tolist() == [1.0]
     with pytest.raises(ValueError, match=r"hold must be in \(0, inf\), got 0.0"):
         read_log(written(tmp_path, NATURAL), 0.0)
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00")
