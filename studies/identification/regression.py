@@ -29,7 +29,9 @@ _OVERLAP = 4  # bumps within half the support of one
 _LAGS = (1e-3, 1e3)  # over the hold
 _TOLD = 4.0  # standard errors of the foot's velocity above which it moves
 _SHORTEST = 5  # samples of a slide that tells of its friction
-_TRIED, _ROUNDS = 17, 5  # static frictions that are compared at once, and how often
+# Static frictions that are compared at once, round by round, each between the neighbours of the last one's best. A slip
+# that is won or lost makes a valley of its own, some percent wide, which the first round must not step over.
+_TRIED = (257, 17, 17, 17)
 _RANGE = (1.0, 10.0)  # of these, over the kinetic friction
 _TOLERANCE = 1e-8  # of the crawlers that are driven for it
 
@@ -187,8 +189,8 @@ def _kinetic_friction(times: NDArray[np.float64], momentum: NDArray[np.float64],
 def _with_static_friction(groups: Groups, run: Measurements, scene: Scene) -> Groups:
     """The groups with the static friction by which the crawler, driven as it was, moves most nearly as it did."""
     low, high = (max(groups.kinetic_friction, 1e-3) * ratio for ratio in _RANGE)
-    for _ in range(_ROUNDS):
-        tried = np.geomspace(low, high, _TRIED)
+    for count in _TRIED:
+        tried = np.geomspace(low, high, count)
         crawlers = [replace(groups, static_friction=max(float(s), groups.kinetic_friction)) for s in tried]
         motions = predicted(crawlers, run, scene, _TOLERANCE)
         left = sum(
@@ -196,5 +198,5 @@ def _with_static_friction(groups: Groups, run: Measurements, scene: Scene) -> Gr
             for name in ("velocity", "foot_velocity")
         )
         best = int(np.nanargmin(left))
-        low, high = tried[max(best - 1, 0)], tried[min(best + 1, _TRIED - 1)]
+        low, high = tried[max(best - 1, 0)], tried[min(best + 1, count - 1)]
     return crawlers[best]
