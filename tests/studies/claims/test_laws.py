@@ -1,15 +1,17 @@
 """C6 to C9: what SINDy finds, and verdicts that follow the numbers."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stickslip import Groups, simulate
 from stickslip.studies.claims import laws, sindy_figures
+from stickslip.studies.claims.asked import Asked
 from stickslip.studies.claims.laws import Laws
 from stickslip.studies.claims.laws_figure import plot_laws
-from stickslip.studies.claims.sindy import accelerations, fit, Setting
+from stickslip.studies.claims.sindy import accelerations, fit, foretold, Setting
 from stickslip.tasks import random_bits
 
 
@@ -39,6 +41,62 @@ def test_sindy_finds_the_payloads_law_and_nothing_else():
 @pytest.mark.parametrize("change", [{}, {"rates": True}, {"method": "ensemble"}, {"method": "weak"}, {"noise": 0.01}])
 def test_no_way_of_regressing_foretells_what_jumps(target, change):
     assert 0.03 < fit(replace(Setting(target), **change), Groups(), holds=60).nmse < 0.4
+
+
+def test_a_law_that_is_a_polynomial_foretells_whole_runs():
+    # Where the foot is anchored, z'' is what the payload's acceleration is elsewhere.
+    groups, valves = Groups(), np.array([random_bits(15, seed) for seed in (5, 6)])
+    for way in (Setting("payload", centred=True), Setting("payload", rates=True, step=0.01)):
+        law = fit(way, groups, holds=40)
+        still = replace(law, coefficients=np.zeros_like(law.coefficients))
+        z, foot = foretold([law, law], [still, still], valves, groups.deborah)
+        true = simulate(
+            groups, valves, 1.0, scene={"anchored": True}, samples_per_hold=round(1.0 / way.step)
+        ).deformation
+        np.testing.assert_allclose(z, true, atol=2e-6)
+        assert not foot.any()
+    # And a foot that is told to fall freely does.
+    falling = replace(law, coefficients=np.where(np.arange(law.coefficients.size) == 0, -0.5, 0.0))
+    _, (foot, _) = foretold([law, law], [falling, falling], valves, groups.deborah)
+    time = np.arange(1, foot.size + 1) * 0.01
+    np.testing.assert_allclose(foot[:1000], -0.25 * time[:1000] ** 2, rtol=1e-9)
+
+
+def test_cubics_do_not_foretell_whole_runs():
+    z, foot = laws.whole_run(Setting(), 0, holds=40)
+    assert 1e-2 < z < 1.0
+    assert foot > 1e-2
+
+
+def test_an_interrupted_measurement_goes_on_with_what_it_has_not(tmp_path, monkeypatch):
+    done = []
+
+    def one_step(way, groups, seed):
+        done.append((way, groups, seed))
+        return 0.1 * seed + groups.static_friction
+
+    def interrupted(groups, holds, noise, seed):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(laws, "_one_step", one_step)
+    monkeypatch.setattr(laws, "fit", lambda *_, **__: SimpleNamespace(terms={}, told=np.zeros(400), true=np.zeros(400)))
+    monkeypatch.setattr(laws, "rollout_error", interrupted)
+    for name, value in {"_share_of_sliding": 0.3, "_group_error": 1e-3, "whole_run": (0.1, 0.2)}.items():
+        monkeypatch.setattr(laws, name, lambda *_, value=value: value)
+    monkeypatch.setattr(laws, "_of_body", lambda seed: (0.1, 0.2, 0.3, seed))
+    told = []
+    asked = Asked(tmp_path, quick=True, show=told.append)
+    with pytest.raises(KeyboardInterrupt):
+        laws.measure(asked)
+    assert len(done) == len(set(done)) == 3 * (len(laws.CURVES) * len(laws.FRICTIONS) + len(laws.WAYS))
+    monkeypatch.setattr(laws, "rollout_error", lambda groups, holds, noise, seed: holds + noise + seed)
+    found = laws.measure(asked)
+    assert len(done) == len(set(done))
+    assert told == [f"{len(done) // 3 + len(laws.FRICTIONS)} parts done before"]
+    np.testing.assert_allclose(found.by_friction["foot, cubic"][2], [0.3, 0.4, 0.5])
+    np.testing.assert_allclose(found.whole[1, 3], [10.03, 11.03, 12.03])
+    np.testing.assert_array_equal(found.body["rms"], [0, 1, 2])
+    np.testing.assert_array_equal(found.sindy["foot"], [0.2, 0.2, 0.2])
 
 
 def test_polynomials_are_the_same_about_any_origin():
@@ -134,6 +192,7 @@ def of_figures():
     return {
         "offsets": np.zeros((2, len(laws.OFFSETS))),
         "traces": {name: np.stack([np.zeros(400), np.ones(400)]) for name in laws.TRACED},
+        "sindy": dict.fromkeys(("z", "foot"), np.array([0.05, 0.06])),
         "body": dict.fromkeys((*laws.TRACED, "rollout", "rms"), np.array([0.1, 0.2])),
     }
 
