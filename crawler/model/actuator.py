@@ -151,9 +151,11 @@ class Actuator:
         segments : int
             N >= 1.
         tube_share : float, in [0, 1/2]
-            Of the tube's mass, that either end bears. With 1/2 none of it is lost. With 1/3 the body swings as fast as
-            the tube does (Lord Rayleigh, The Theory of Sound, section 156): it keeps nearer to a chain of segments
-            (docs/claims.md, C2), and its crawler is lighter by a third of the tube.
+            Of the tube's mass, that either end bears. With 1/2 none of it is lost, neither its inertia where the whole
+            slides nor its weight on the foot, and the body is the chain of one segment (equation S14): the default.
+            With 1/3 the body swings as fast as the tube does while the foot stands still (Lord Rayleigh, The Theory of
+            Sound, section 156), and its crawler is lighter by a third of the tube: the deformation keeps several times
+            nearer to that of a chain of segments (docs/claims.md, C2), so take it where the deformation is what counts.
 
         Returns
         -------

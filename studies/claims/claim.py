@@ -9,7 +9,18 @@ from numpy.typing import NDArray
 
 from ...reservoir import mean_over_runs
 
-__all__ = ["CLAIMS", "FIGURES", "UNKNOWN", "VERDICTS", "WHY_UNKNOWN", "Claim", "Number", "Verdict", "interval"]
+__all__ = [
+    "CAPTIONS",
+    "CLAIMS",
+    "FIGURES",
+    "UNKNOWN",
+    "VERDICTS",
+    "WHY_UNKNOWN",
+    "Claim",
+    "Number",
+    "Verdict",
+    "interval",
+]
 
 Verdict = Literal["reproduced", "reproduced in part", "not reproduced", "overturned"]
 VERDICTS: tuple[Verdict, ...] = ("reproduced", "reproduced in part", "not reproduced", "overturned")
@@ -42,6 +53,40 @@ FIGURES = {
     "C10": ("work",),
 }
 """Where the paper shows each, and "work" for what it has no figure of."""
+CAPTIONS = {
+    "fig1": "The default crawler, the valve open for four holds of 1 and shut for four.",
+    "fig2": "Memory of the three states against the work of a hold along Pi1, a line a lag of the fluid. Hold 0.5, "
+    "Pi2 = 0.02, fair bits; mean over seeds.",
+    "fig3": "The largest exponent and the memory of the three states over Pi1 and Pi4. Anchored, hold 0.5, Pi2 = 0.02, "
+    "fair bits; mean over seeds.",
+    "fig4": "Left: the one-step error of SINDy on accelerations, by friction; the axis is broken. Right: the error of "
+    "whole runs by a regression that finds slips, by length and noise of its data; median over seeds.",
+    "fig5": "The one-step error on the foot's acceleration, by what was tried, default groups; bars: mean over seeds.",
+    "figS6": "Above: one spring against a chain of 8 segments, in four regimes. Below: one spring and chains by their "
+    "number of segments. Hold 1, fair bits; mean over seeds.",
+    "figS7": "Exponent, memory and the capacity for products of two inputs along Pi1. Anchored, hold 2, Pi2 = 0.05, "
+    "Pi4 = 0.5, fair bits; bands: 95% over seeds; dashed: where the exponent is 0.",
+    "figS8": "The foot's acceleration in an unseen run, default groups, and what a cubic by SINDy says of it.",
+    "figS9": "The quadratic term that SINDy finds in the payload's acceleration where z is measured from an offset.",
+    "figS10": "As figS8, with max(0, p') and sign(p') in the library.",
+    "work": "Above: the spread of the work a hold over runs under fair bits, hold 0.5. Below: the average of "
+    "exp(-beta W) and the free energy that it would give, from rest to rest through random bits; energy conserved and "
+    "damped: anchored, from starts at exp(-beta H).",
+}
+"""What each figure shows, and of what."""
+INDEPENDENT = {
+    "C1": ("arithmetic of forty digits and SciPy's solvers", "tests/crawler/test_judges.py"),
+    "C2": ("the exponential of a linear chain's matrix, on the ground too", "tests/crawler/motion/test_exact_chain.py"),
+    "C3": ("delay lines and linear modes, whose memory is known", "tests/reservoir/test_memory.py"),
+    "C4": ("exponents in closed form and by two runs that part", "tests/crawler/stability/test_lyapunov.py"),
+    "C5": ("delay lines and linear modes, whose memory is known", "tests/reservoir/test_memory.py"),
+    "C6": ("the law that made the data", "tests/studies/claims/test_laws.py"),
+    "C7": ("the quadratic term of (z + c)^3", "tests/studies/claims/test_laws.py"),
+    "C8": ("the law that made the data", "tests/studies/claims/test_laws.py"),
+    "C9": ("the groups that made the data", "tests/studies/identification/test_regression.py"),
+    "C10": ("the propagator of a linear body, and a method without events", "tests/studies/work/test_work.py"),
+}
+"""What the numbers behind each are compared with that is independent of them, and the test that does it."""
 UNKNOWN = ("figS1", "figS2", "figS3", "figS4", "figS5")
 """Figures of the supplement of which only the names are known."""
 WHY_UNKNOWN = (
@@ -108,7 +153,12 @@ class Claim:
 
     def as_json(self) -> dict[str, Any]:
         """The claim as it stands in ``claims.json``."""
-        return {"claim": CLAIMS[self.name], "figures": list(FIGURES[self.name]), **asdict(self)}
+        return {
+            "claim": CLAIMS[self.name],
+            "figures": list(FIGURES[self.name]),
+            **asdict(self),
+            "independent": " ".join(INDEPENDENT[self.name]),
+        }
 
     @classmethod
     def from_json(cls, kept: Mapping[str, Any]) -> Self:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...common.extras import optional_import
-from ...common.figures import house_style, MARKERS
+from ...common.figures import house_style, MARKERS, PAGE_WIDTH
 from ..edge.figures import plot_edge as plot_map_of_edge
 from ..edge.figures import plot_line
 from ..edge.over_maps import name_of
@@ -25,7 +25,7 @@ __all__ = ["plot_edge", "plot_through_the_edge", "plot_work"]
 def plot_work(edge: Edge) -> Figure:
     """The paper's Fig. 2: memory against work along Pi1, a line a lag of the fluid, each work over its row's most."""
     with house_style():
-        figure, axes = plt.subplots(1, 2, figsize=(7.2, 3.0), sharey=True, layout="constrained")
+        figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.9), sharey=True, layout="constrained")
         for ax, place in zip(axes, ("anchored", "ground"), strict=True):
             found = edge.maps[name_of(place, 0.5, 0.02, "raw")].mean("seed")
             rows = np.linspace(0, found.sizes["deborah"] - 1, 4).round().astype(int)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...common.extras import optional_import
-from ...common.figures import house_style, MARKERS
+from ...common.figures import house_style, MARKERS, PAGE_WIDTH, SMALL
 from .laws import FRICTIONS, Laws, LENGTHS, NOISES, PAPER_NMSE
 
 with optional_import():
@@ -15,32 +17,43 @@ with optional_import():
 
 __all__ = ["plot_laws"]
 
-_FLOOR = 1e-4  # of the scale of errors; the payload's is 1e-30
+_BREAK: dict[str, Any] = {"marker": [(-1, -0.5), (1, 0.5)], "ms": 8, "ls": "none", "mec": "black", "clip_on": False}
 
 
 def plot_laws(laws: Laws) -> Figure:
     """One-step errors of SINDy against friction, and errors of whole runs by regression with slips."""
     with house_style():
-        figure, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.0), layout="constrained")
-        for marker, (name, errors) in zip(MARKERS, laws.by_friction.items(), strict=False):
-            middle = np.maximum(errors.mean(axis=1), _FLOOR)
-            left.plot(FRICTIONS, middle, marker + "-", ms=4, label=name)
+        figure, axes = plt.subplot_mosaic(
+            [["left", "right"], ["floor", "right"]],
+            figsize=(PAGE_WIDTH, 3.2),
+            layout="constrained",
+            height_ratios=(4.0, 1.0),
+        )
+        left, floor, right = axes["left"], axes["floor"], axes["right"]
+        for ax in (left, floor):
+            for marker, (name, found) in zip(MARKERS, laws.by_friction.items(), strict=False):
+                ax.plot(FRICTIONS, found.mean(axis=1), marker + "-", ms=4, label=name)
+            ax.set(yscale="log", xlim=(0.05, 0.85))
         left.axhline(PAPER_NMSE, color="0.4", ls=":", lw=1)
         left.annotate(
             f"the paper's {PAPER_NMSE}", (FRICTIONS[0], PAPER_NMSE), (0, 3), textcoords="offset points", color="0.3"
         )
-        left.annotate(
-            "at rounding, 1e-30", (FRICTIONS[-1], _FLOOR), (0, 4), textcoords="offset points", ha="right", color="0.3"
-        )
-        left.set(yscale="log", ylim=(0.7 * _FLOOR, 2.0), xlabel="static friction s (kinetic 2 s / 3)")
-        left.set(ylabel="NMSE of the acceleration, one step", title="SINDy, noise-free")
-        left.legend(loc="center left", bbox_to_anchor=(0.0, 0.42))
+        least = laws.by_friction["payload, cubic"].mean(axis=1)
+        left.set(ylim=(5e-4, 2.0), ylabel="NMSE of the acceleration, one step", title="SINDy, noise-free")
+        left.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
+        left.spines["bottom"].set_visible(False)
+        floor.set(ylim=(0.01 * least.min(), 100.0 * least.max()), xlabel="static friction s (kinetic 2 s / 3)")
+        floor.set_yticks([10.0 ** np.round(np.log10(np.median(least)))])
+        floor.minorticks_off()
+        left.plot([0.0], [0.0], transform=left.transAxes, color="black", **_BREAK)
+        floor.plot([0.0], [1.0], transform=floor.transAxes, color="black", **_BREAK)
+        left.legend(loc="lower right")
         errors = np.median(laws.whole, axis=2)
         image = right.imshow(errors, norm=LogNorm(1e-8, 1.0), cmap="cividis", origin="lower", aspect="auto")
         for (row, column), value in np.ndenumerate(errors):
             shade = "white" if value < 1e-4 else "black"
             right.text(
-                column, row, f"{value:.0e}".replace("e-0", "e-"), ha="center", va="center", color=shade, fontsize=8
+                column, row, f"{value:.0e}".replace("e-0", "e-"), ha="center", va="center", color=shade, fontsize=SMALL
             )
         right.set_xticks(range(len(NOISES)), [f"{noise:.1%}" for noise in NOISES])
         right.set_yticks(range(len(LENGTHS)), [str(length) for length in LENGTHS])

@@ -5,23 +5,34 @@ from ...crawler.model.elastomer import ECOFLEX_00_30
 from ...crawler.model.tube_force import Tube
 from .claim import Number
 
-__all__ = ["BODY", "TUBE", "TUBE_MASS", "in_millimetres", "in_seconds", "portrait"]
+__all__ = ["BODY", "TUBE", "TUBE_MASS", "body_with", "in_millimetres", "in_seconds", "portrait"]
 
 _DENSITY, _PRESSURE = 1070.0, 20e3
 TUBE = Tube(material=ECOFLEX_00_30, outer_radius=8.25e-3, inner_radius=5.64e-3, length=0.125, thread_radius=5.64e-3)
 """Of Ecoflex 00-30, wound with threads at the bore (docs/materials.md)."""
-BODY = Actuator.from_elastomer(
-    TUBE,
-    density=_DENSITY,
-    payload_mass=0.167,
-    foot_mass=0.067,
-    peak_pressure=_PRESSURE,
-    lag=0.03,
-    static_friction=0.82,
-    kinetic_friction=0.54,
-    damping=0.4,
-)
-"""That tube between a payload and a rubber foot. Its stiffness, area and coupling are those of its elastomer."""
+
+
+def body_with(tube_share: float) -> Actuator:
+    """That tube between a payload and a rubber foot, with a share of its mass at either end.
+
+    Its stiffness, area and coupling are those of its elastomer.
+    """
+    return Actuator.from_elastomer(
+        TUBE,
+        density=_DENSITY,
+        payload_mass=0.167,
+        foot_mass=0.067,
+        peak_pressure=_PRESSURE,
+        lag=0.03,
+        static_friction=0.82,
+        kinetic_friction=0.54,
+        damping=0.4,
+        tube_share=tube_share,
+    )
+
+
+BODY = body_with(0.5)
+"""The real body of the claims."""
 TUBE_MASS = BODY.mass - 0.167 - 0.067
 """Of the tube, kg."""
 

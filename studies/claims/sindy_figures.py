@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...common.extras import optional_import
-from ...common.figures import house_style, OKABE_ITO
+from ...common.figures import house_style, OKABE_ITO, PAGE_WIDTH
 from .laws import Laws, OFFSETS, PAPER_NMSE, TRACED, WAYS
 
 with optional_import():
@@ -60,7 +60,7 @@ def _plot_trace(laws: Laws, name: str) -> Figure:
     told, true = laws.traces[name]
     time = np.arange(1, told.size + 1) * WAYS[name].step
     with house_style():
-        figure, ax = plt.subplots(figsize=(7.2, 2.6), layout="constrained")
+        figure, ax = plt.subplots(figsize=(PAGE_WIDTH, 2.6), layout="constrained")
         ax.plot(time, true, color=OKABE_ITO[7], lw=1, label="true")
         ax.plot(time, told, color=OKABE_ITO[1], lw=1, label=f"SINDy, {name}")
         ax.set(xlabel="time ($t_c$)", ylabel="foot's acceleration ($z_c / t_c^2$)")

@@ -40,7 +40,7 @@ def verdict(spreads: Mapping[str, Spread]) -> Verdict:
     by_chaos, by_lag = _by_chaos(spreads), _by_lag(spreads)
     if by_chaos and by_lag:
         return "reproduced"
-    if by_chaos or by_lag or spreads["nearly undamped, stiff"].parts.low > _CHAOS:
+    if by_chaos or by_lag or spreads["nearly undamped and stiff"].parts.low > _CHAOS:
         return "reproduced in part"
     neither = by_lag is False and spreads["as it is"].parts.high < _LEAVES_NOTHING
     return "overturned" if neither else "not reproduced"
@@ -67,9 +67,9 @@ def claim(work: Work) -> Claim:
         "C10",
         verdict(spreads),
         _sentence(spreads, ratios),
-        {f"standard deviation over mean, {name}": Number(*each.relative) for name, each in spreads.items()}
-        | {f"ratio of these, {name} to {COMPARED[name]}": ratio for name, ratio in ratios.items()}
-        | {"inputs that each of these is of": Number(spreads["as it is"].by_input.size)}
+        {f"spread (standard deviation over mean), {name}": Number(*each.relative) for name, each in spreads.items()}
+        | {f"spread of {name} over that of {COMPARED[name]}": ratio for name, ratio in ratios.items()}
+        | {"inputs under which each spread is measured": Number(spreads["as it is"].by_input.size)}
         | {f"share of starts in the variance, {name}": _share(each) for name, each in spreads.items()}
         | {
             "residual of the balance": Number(_residual(study)),
@@ -111,13 +111,13 @@ def _sentence(spreads: Mapping[str, Spread], ratios: Mapping[str, Number]) -> st
     return (
         f"Under random bits the work varies by {usual.relative[0]:.1%} of its mean: a lag made fast leaves "
         f"{ratios['lag made fast']} of that, friction absent {ratios['friction absent']} and friction made smooth "
-        f"{ratios['slides back, friction made smooth']}, while starts make {_of_starts(usual)} of the variance; so "
+        f"{ratios['slides back on smooth friction']}, while starts make {_of_starts(usual)} of the variance; so "
         f"the lag {lag}, and stick-slip chaos {'does' if _by_chaos(spreads) else 'does not'}."
     )
 
 
 def _remark(study: Study) -> str:
-    wild, held = (study.spreads[name] for name in ("nearly undamped, stiff", "anchored, chaotic"))
+    wild, held = (study.spreads[name] for name in ("nearly undamped and stiff", "anchored and chaotic"))
     free = {beta: Number(*study.crawler[beta].free_energies) for beta in (BETAS[0], BETAS[-1])}
     return (
         f"Starts make {_of_starts(wild)} of the variance at a damping ratio of 0.002 and Pi1 = 2000, and "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any, TYPE_CHECKING
 
@@ -22,6 +23,7 @@ __all__ = ["drawn_names", "plot_map"]
 EXPONENT, RIDGE = "lyapunov", "memory"
 # Standard errors within which the sign of an exponent is not told.
 _TOLD = 2.0
+_ROOM = 26  # letters of a label beside a low panel
 _SIGNED = "RdBu_r"
 _POSITIVE = "cividis"
 _ZERO: dict[str, Any] = {"colors": "black", "linewidths": 1.4}
@@ -57,10 +59,10 @@ def plot_map(found: xr.Dataset, names: Sequence[str] | None = None) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Means over the seeds. Over two numbers: where the map has exponents, black lines are the contour of zero, and in
-        their panel cells are hatched where the exponent is within two standard errors of it; where it has memory,
-        circles mark the cell of most memory in each column, and a star that of all. Over one: bands are 95% intervals,
-        and vertical lines stand where the exponent changes its sign.
+        As wide as a page at most. Means over the seeds. Over two numbers: where the map has exponents, black lines are
+        the contour of zero, and in their panel cells are hatched where the exponent is within two standard errors of
+        it; where it has memory, circles mark the cell of most memory in each column, and a star that of all. Over one:
+        bands are 95% intervals, and vertical lines stand where the exponent changes its sign.
 
     Raises
     ------
@@ -71,7 +73,7 @@ def plot_map(found: xr.Dataset, names: Sequence[str] | None = None) -> Figure:
     with optional_import():
         from matplotlib import pyplot as plt
 
-    from ...common.figures import house_style
+    from ...common.figures import house_style, PAGE_WIDTH
 
     drawn = drawn_names(found) if names is None else list(names)
     for name in drawn:
@@ -79,11 +81,12 @@ def plot_map(found: xr.Dataset, names: Sequence[str] | None = None) -> Figure:
             raise ValueError(f"names must be of {drawn_names(found)}, got {name!r}")
     means = over_seeds(found)
     axes = [str(dim) for dim in found["status"].dims]
-    columns = min(3, len(drawn))
+    columns = min(2, len(drawn)) if len(axes) == 2 else 1
     rows = -(-len(drawn) // columns)
+    size = PAGE_WIDTH if columns == 2 else 4.4, 0.4 + (2.5 if len(axes) == 2 else 1.7) * rows
     with house_style():
         figure, grid = plt.subplots(
-            rows, columns, squeeze=False, figsize=(0.6 + 3.4 * columns, 0.4 + 2.8 * rows), layout="constrained"
+            rows, columns, squeeze=False, sharex=len(axes) == 1, figsize=size, layout="constrained"
         )
         for ax, name in zip(grid.flat, drawn, strict=False):
             (_draw_map if len(axes) == 2 else _draw_line)(ax, found, means, name, axes)
@@ -91,6 +94,9 @@ def plot_map(found: xr.Dataset, names: Sequence[str] | None = None) -> Figure:
             ax.set_axis_off()
         if len(axes) == 2:
             _explain(figure, means, drawn)
+        else:
+            for ax in grid[:-1, 0]:
+                ax.set_xlabel("")
     return figure
 
 
@@ -176,7 +182,15 @@ def _draw_line(ax: Axes, found: xr.Dataset, means: xr.Dataset, name: str, axes: 
         ax.axhline(0.0, color="0.4", lw=0.8, zorder=0)
     if _geometric(x):
         ax.set_xscale("log")
-    ax.set(xlabel=label(found, axes[0]), ylabel=label(found, name))
+    ax.set(xlabel=label(found, axes[0]), ylabel=_folded(label(found, name)))
+
+
+def _folded(said: str) -> str:
+    """A label in lines that a low panel has room for, its unit whole."""
+    if len(said) <= _ROOM:
+        return said
+    name, bracket, unit = said.partition(" (")
+    return "\n".join([*textwrap.wrap(name, _ROOM), *([f"({unit}"] if bracket else [])])
 
 
 def standard_errors(found: xr.Dataset, means: xr.Dataset) -> NDArray[np.float64]:

@@ -61,10 +61,10 @@ CASES: Mapping[str, Case] = {
     "friction absent": Case(Groups(static_friction=0.0, kinetic_friction=0.0), {"ratchet": False}),
     "slides back": Case(Groups(), {"ratchet": False}),
     "slides back without stiction": Case(_SLIDING, {"ratchet": False}),
-    "slides back, friction made smooth": Case(_SLIDING, smooth=0.1),
+    "slides back on smooth friction": Case(_SLIDING, smooth=0.1),
     "anchored": Case(Groups(), {"anchored": True}),
-    "nearly undamped, stiff": Case(Groups(damping_ratio=0.002, duffing=2000.0, deborah=0.05)),
-    "anchored, chaotic": Case(Groups(damping_ratio=0.02, duffing=20.0, deborah=0.05), {"anchored": True}),
+    "nearly undamped and stiff": Case(Groups(damping_ratio=0.002, duffing=2000.0, deborah=0.05)),
+    "anchored and chaotic": Case(Groups(damping_ratio=0.02, duffing=20.0, deborah=0.05), {"anchored": True}),
 }
 """Bodies by name, each the default one but for what the name says.
 
@@ -76,7 +76,7 @@ COMPARED: Mapping[str, str] = {
     "lag made slow": "as it is",
     "friction absent": "as it is",
     "slides back without stiction": "slides back",
-    "slides back, friction made smooth": "slides back without stiction",
+    "slides back on smooth friction": "slides back without stiction",
 }
 """Bodies whose spread is compared, each with the one from which it differs in what its name says."""
 BETAS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)

@@ -10,10 +10,12 @@ from stickslip.commands import run
 from stickslip.crawler import Actuator, Groups, Scene, simulate
 from stickslip.studies.claims import crawl, twin
 from stickslip.studies.claims import reproduce as reproduction
-from stickslip.studies.claims.claim import Claim, CLAIMS, FIGURES, Number, UNKNOWN
+from stickslip.studies.claims.claim import CAPTIONS, Claim, CLAIMS, FIGURES, Number, UNKNOWN
+from stickslip.studies.claims.page import sections
 from stickslip.studies.claims.real_body import BODY, TUBE_MASS
 from stickslip.studies.claims.reproduce import reproduce
 from stickslip.studies.claims.sindy import nmse
+from stickslip.studies.claims.twin_exact import exact_deformation
 from stickslip.studies.claims.twin_figure import plot_twin
 from stickslip.tasks import random_bits
 
@@ -49,17 +51,69 @@ def numbers_of(error):
         for regime in twin.REGIMES
         for share, part in twin.SHARES.items()
     }
-    return twin.Twin(lumped, np.full((2, len(twin.SEGMENTS) - 1, 2), 1e-5), np.full((2, 2), 1e-3))
+    refined = np.full((2, len(twin.SEGMENTS) - 1, len(twin.MASSES), 2), 1e-5)
+    converged = dict.fromkeys(twin.REGIMES, np.full((2, 2), 1e-6))
+    return twin.Twin(lumped, refined, converged, 1e-14, dict.fromkeys(twin.SHARES, np.full((2, 2), 1e-3)))
 
 
 def test_the_twins_verdict_follows_its_errors():
     good, bad = twin.claim(numbers_of(1e-3)), twin.claim(numbers_of(1e-2))
     assert (good.verdict, bad.verdict) == ("reproduced", "reproduced in part")
-    assert "lumped with a third at each end" in good.sentence
-    assert "5.0 times less than with half" in good.sentence
+    assert "the tube lumped by a third at each end" in good.sentence
+    assert "high damping: Pi2 = 0.5; aggressive forcing: Pi1 = 2, Pi5 = 0.4, static friction = 0.15" in good.remark
+    assert good.numbers["z, error with half over that with a third, nominal"] == Number(pytest.approx(5.0))
+    assert good.numbers["z, nominal, a third at each end, tube of 0.1"].value == pytest.approx(1.025e-2)
+    assert good.numbers["foot, nominal, chain of 4 against 16, tube of 0.2"].value == 1e-5
     figure = plot_twin(numbers_of(1e-3))
-    assert figure.axes[0].get_ylabel() == "NMSE of z"
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == list(twin.REGIMES)
+    assert [ax.get_title(loc="left") for ax in figure.axes] == [
+        "One spring: z",
+        "One spring: the foot",
+        "Segments, nominal: z",
+        "Segments, nominal: the foot",
+    ]
+    assert [text.get_text() for text in figure.axes[1].get_legend().get_texts()] == list(twin.REGIMES)
+
+
+def test_which_lumping_is_better_is_said_where_the_interval_says_so():
+    told, masses = numbers_of(1e-3), np.ones((2, len(twin.MASSES), 3))
+    errors = [4.0, 5.0, 6.0], [0.1, 3.0, 6.0], [4.0, 4.0, 4.1], [0.2, 0.2, 0.3]
+    for regime, half in zip(twin.REGIMES, errors, strict=True):
+        told.lumped[regime, "half at each end"] = masses * half
+        told.lumped[regime, "a third at each end"] = masses
+    assert "for sure in 2 of 4 regimes (nominal, aggressive forcing), nominally by" in twin.claim(told).remark
+
+
+@pytest.mark.parametrize(
+    ("errors", "mass"),
+    [
+        ([1e-4, 2e-3, 4e-3, 8e-3, 9e-3], 0.5),
+        ([2e-2, 3e-2, 4e-2, 5e-2, 6e-2], 0.0),
+        ([1e-4, 1e-3, 1e-3, 4e-3, 4e-2], 0.2 * (0.5 / 0.2) ** (np.log(2.5) / np.log(10.0))),
+    ],
+)
+def test_one_spring_is_good_up_to_where_its_error_passes_the_limit(errors, mass):
+    assert twin.good_up_to(np.array(errors)) == pytest.approx(mass)
+
+
+@pytest.mark.parametrize("segments", [1, 5])
+def test_the_chain_is_that_of_its_exponential(segments):
+    groups, valve = Groups(duffing=0.0, radial_coupling=0.0, damping_ratio=0.03, deborah=0.2), random_bits(12, 1)
+    exact = exact_deformation(groups, valve, 0.7, 3, segments=segments, tube_mass=0.4)
+    scene = Scene(segments=segments, tube_mass=0.4, anchored=True)
+    told = simulate(groups, valve, 0.7, scene=scene, samples_per_hold=3, tolerance=1e-12).deformation
+    np.testing.assert_allclose(told, exact, atol=1e-11)
+
+
+def test_numbers_that_differ_in_their_last_words_alone_are_one_table():
+    numbers = {f"{row}, {column}": Number(float(place)) for place, (row, column) in enumerate(TABLE)}
+    page = sections([Claim("C1", "reproduced", "So.", numbers | {"alone": Number(7.0), "a, d": Number(8.0)})])
+    assert "|  | x | y |\n|---|---:|---:|\n| b | 0 | 3 |\n| c | 1 | 4 |\n| e | 2 | 5 |" in page
+    assert "| alone | 7 |\n| a, d | 8 |" in page
+    few = sections([Claim("C1", "reproduced", "So.", dict(list(numbers.items())[:2]))])
+    assert "| x, b | 0 |\n| x, c | 1 |" in few
+
+
+TABLE = [("x", "b"), ("x", "c"), ("x", "e"), ("y", "b"), ("y", "c"), ("y", "e")]
 
 
 def test_a_reproduction_leaves_claims_a_page_and_pictures(tmp_path, capsys):
@@ -174,6 +228,7 @@ def test_every_figure_of_the_paper_is_drawn_or_refused_with_the_reason():
     paper = {f"fig{number}" for number in range(1, 6)} | {f"figS{number}" for number in range(1, 11)}
     assert paper == (drawn - {"work"}) | set(UNKNOWN)
     assert not drawn & set(UNKNOWN)
+    assert drawn == set(CAPTIONS)
 
 
 @pytest.mark.parametrize("asked", [[], ["all"], ["claims"], ["fig1", "all"]])

@@ -75,6 +75,19 @@ def test_over_one_number_a_band_is_drawn_and_where_the_exponent_changes_its_sign
     assert not plot_map(made(1).isel(deborah=1), ["memory"]).axes[0].collections
 
 
+def test_no_figure_is_wider_than_a_page_and_long_labels_are_folded():
+    found = made()
+    found.memory.attrs["long_name"] = "capacity for products of 2 inputs in a row"
+    for dims, shape in ((found, (6.5, 2.9)), (found.isel(deborah=1), (4.4, 3.8))):
+        assert plot_map(dims, ["lyapunov", "memory"]).get_size_inches() == pytest.approx(shape)
+    lyapunov, memory = plot_map(found.isel(deborah=1), ["lyapunov", "memory"]).axes
+    assert memory.get_ylabel() == "capacity for products of 2\ninputs in a row"
+    assert (lyapunov.get_xlabel(), memory.get_xlabel()) == ("", r"duffing $\Pi_1$")
+    found.lyapunov.attrs["long_name"] = "largest Lyapunov exponent of it"
+    [alone] = plot_map(found.isel(deborah=1), ["lyapunov"]).axes
+    assert alone.get_ylabel() == "largest Lyapunov exponent\nof it\n($1 / t_c$)"
+
+
 def test_what_is_not_in_a_map_is_not_drawn():
     with pytest.raises(ValueError, match=r"names must be of \['lyapunov', .*\], got 'wisdom'"):
         plot_map(made(), ["wisdom"])

@@ -92,9 +92,7 @@ def test_friction_that_is_made_less_smooth_comes_to_that_of_a_foot_that_may_slid
     off = [np.abs(smooth_works(SLIDING, valves, [State()], hold=0.5, width=w).work - true).max() for w in (0.1, 0.02)]
     assert off[1] < 0.4 * off[0]
     assert off[1] < 0.02 * true.max()
-    assert (
-        spread_of(CASES["slides back, friction made smooth"], replace(SMALL, holds=20, washout=20)).parts.share < 1e-2
-    )
+    assert spread_of(CASES["slides back on smooth friction"], replace(SMALL, holds=20, washout=20)).parts.share < 1e-2
 
 
 def test_the_balance_closes_and_losses_are_losses():
@@ -176,7 +174,7 @@ def test_on_the_ground_inputs_spread_the_work_and_starts_do_not():
     np.testing.assert_allclose(told.by_input, works, rtol=1e-5)
     assert (told.mean, told.deviation) == pytest.approx((works.mean(), works.std(ddof=1)), rel=1e-4)
     assert told.viscous + told.friction == pytest.approx(1.0, abs=0.05)
-    assert spread_of(CASES["anchored, chaotic"], SMALL).parts.share > 0.3
+    assert spread_of(CASES["anchored and chaotic"], SMALL).parts.share > 0.3
 
 
 def spread(share=1e-12, relative=0.01, noise=0.0):
@@ -192,7 +190,7 @@ def spread(share=1e-12, relative=0.01, noise=0.0):
         ({}, "overturned"),
         ({"as it is": spread(share=0.05)}, "not reproduced"),
         ({"lag made fast": spread(relative=0.005, noise=0.005)}, "not reproduced"),
-        ({"nearly undamped, stiff": spread(share=0.4)}, "reproduced in part"),
+        ({"nearly undamped and stiff": spread(share=0.4)}, "reproduced in part"),
         ({"lag made fast": spread(relative=0.001)}, "reproduced in part"),
         ({"as it is": spread(share=0.5)}, "reproduced in part"),
         ({"as it is": spread(share=0.5), "lag made fast": spread(relative=0.001)}, "reproduced"),
