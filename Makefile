@@ -7,7 +7,7 @@ export OMP_NUM_THREADS ?= 1
 # Text read or written in whatever encoding the locale has is an error in the tests.
 test slow night peers: export PYTHONWARNDEFAULTENCODING ?= 1
 
-.PHONY: demo test docs lint types layers package slow night peers explore mutation bench clean
+.PHONY: demo test docs lint types layers package slow night peers explore browser mutation bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/stickslip demo
@@ -15,7 +15,7 @@ demo: $(VENV)/ready
 test: lint types layers
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
-slow: $(VENV)/interop-ready $(VENV)/docs-ready $(VENV)/explore-ready peers
+slow: $(VENV)/interop-ready $(VENV)/docs-ready $(VENV)/browser-ready peers
 	$(BIN)/python -m pytest -m slow
 
 # The site, in docs/_build/html: pages, reference and the tutorials, which are run.
@@ -25,15 +25,19 @@ docs: $(VENV)/docs-ready
 
 # Hypothesis searches at random here, and prints a blob with what it finds: @reproduce_failure takes it.
 night: export HYPOTHESIS_PROFILE := night
-night: $(VENV)/interop-ready $(VENV)/docs-ready $(VENV)/explore-ready
+night: $(VENV)/interop-ready $(VENV)/docs-ready $(VENV)/browser-ready
 	$(BIN)/python -m pytest -m "slow or not slow"
 
 # Jobs of others' libraries, which the development install does without.
 peers: $(VENV)/peers-ready
 	$(BIN)/python -m pytest -m "slow or not slow" tests/benchmarks/test_peers.py tests/benchmarks/test_batch_peers.py
 
-# The page one can play with, in a browser without a window.
+# The page one can play with; its address is printed, and opened where there is a browser.
 explore: $(VENV)/explore-ready
+	$(BIN)/stickslip explore
+
+# That page's tests, in a browser without a window.
+browser: $(VENV)/browser-ready
 	$(BIN)/python -m pytest -m "slow or not slow" tests/explore
 
 # Faults put into the code, and whether the tests notice: hours for all; more options in the script.
@@ -75,9 +79,15 @@ $(VENV)/docs-ready: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
 	touch $@
 
-# The page of `stickslip explore`, and what moves a browser in its tests.
-$(VENV)/explore-ready: $(VENV)/ready
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[explore]' playwright
+# The page needs Bokeh beside the package, and nothing of what tests do.
+$(VENV)/explore-ready: pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[explore]'
+	touch $@
+
+# What moves a browser in the page's tests.
+$(VENV)/browser-ready: $(VENV)/ready $(VENV)/explore-ready
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt playwright
 	touch $@
 
 clean:

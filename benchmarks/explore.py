@@ -1,6 +1,6 @@
 """How soon the page of `stickslip explore` answers: from a slider's event to the plots' data in the browser.
 
-Run ``python benchmarks/explore.py`` where Chromium and Playwright are (``make explore`` installs the latter). A process
+Run ``python benchmarks/explore.py`` where Chromium and Playwright are (``make browser`` installs the latter). A process
 serves the page, a browser without a window opens it, and one thing after another is moved as a hand would: the next
 move comes when the last is answered. Times are those of the browser's own clock, from the event to the arrival of the
 answer's last part, by when the plots have their data, and to the end of the frame after that. On a machine that others

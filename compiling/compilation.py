@@ -4,6 +4,8 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import partial
 from typing import Any, cast, TypeVar
 
 from numba.core import config
@@ -12,7 +14,18 @@ from numba.extending import register_jitable
 
 from .kernel_cache import KernelCache
 
-__all__ = ["INLINED", "OPTIONS", "Kernel", "allocating", "compiled", "formula", "inlined", "merged"]
+__all__ = [
+    "INLINED",
+    "OPTIONS",
+    "Kernel",
+    "NotCompiledError",
+    "allocating",
+    "compiled",
+    "formula",
+    "inlined",
+    "kept_kernels_alone",
+    "merged",
+]
 
 if vars(config)["DISABLE_JIT"]:
     raise ImportError("stickslip's kernels run compiled only, got NUMBA_DISABLE_JIT=1: unset it")
@@ -22,6 +35,28 @@ if vars(config)["DISABLE_JIT"]:
 OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False}
 INLINED: Any = OPTIONS | {"forceinline": True}
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+_REFUSING = ContextVar("_REFUSING", default=False)
+
+
+class NotCompiledError(RuntimeError):
+    """A kernel is not kept in the form that is needed, and may not be compiled now."""
+
+
+@contextmanager
+def kept_kernels_alone() -> Iterator[None]:
+    """Within, and in this thread, a kernel that would have to be compiled is refused at once.
+
+    Raises
+    ------
+    NotCompiledError
+        Within, by whatever calls the kernel.
+    """
+    token = _REFUSING.set(True)
+    try:
+        yield
+    finally:
+        _REFUSING.reset(token)
 
 
 def compiled(kernel: Function) -> Function:
@@ -107,7 +142,7 @@ class Kernel(CPUDispatcher):
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         super().__init__(function, targetoptions={"nopython": True, "boundscheck": None, **options})
-        self._cache = KernelCache(function, _announce)
+        self._cache = KernelCache(function, partial(_missed, function.__qualname__))
 
     @property
     def unkept(self) -> str:
@@ -147,6 +182,13 @@ def _interrupts_kept() -> Iterator[None]:
         sys.unraisablehook = usual
         if lost:
             raise KeyboardInterrupt
+
+
+def _missed(name: str, folder: str | None, unkept: str) -> None:
+    """Before a form is compiled."""
+    if _REFUSING.get():
+        raise NotCompiledError(f"{name} is not compiled yet")
+    _announce(folder, unkept)
 
 
 _announced = False

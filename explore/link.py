@@ -1,14 +1,16 @@
 """A setup as the query of a link, and back."""
 
+from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 from ..common.validation import known_names
 from .presets import preset
-from .setup import NUMBERS, Setup, setup_of
+from .setup import NUMBERS, Setup, setup_of, SWITCHES
 
 __all__ = ["query_of", "setup_of_query"]
 
 _PRESET = "preset"
+_TRUTH = {"true": True, "false": False}
 # A query of every field has some 300 characters.
 _LONGEST = 2000
 
@@ -26,7 +28,8 @@ def query_of(setup: Setup) -> str:
         Without the question mark; empty for the defaults.
     """
     usual = Setup().to_dict()
-    return urlencode({name: value for name, value in setup.to_dict().items() if value != usual[name]})
+    told = {name: value for name, value in setup.to_dict().items() if value != usual[name]}
+    return urlencode({name: str(value).lower() if name in SWITCHES else value for name, value in told.items()})
 
 
 def setup_of_query(query: str) -> Setup:
@@ -55,7 +58,19 @@ def setup_of_query(query: str) -> Setup:
         raise ValueError(f"link must name {twice[0]!r} once, got it {names.count(twice[0])} times")
     values = dict(pairs)
     base = preset(values.pop(_PRESET)) if _PRESET in values else Setup()
-    return setup_of({name: _number(name, text) if name in NUMBERS else text for name, text in values.items()}, base)
+    return setup_of({name: _read(name, text) for name, text in values.items()}, base)
+
+
+def _read(name: str, text: str) -> Any:
+    if name in NUMBERS:
+        return _number(name, text)
+    return _truth(name, text) if name in SWITCHES else text
+
+
+def _truth(name: str, text: str) -> bool:
+    if text not in _TRUTH:
+        raise ValueError(f"{name} must be one of {list(_TRUTH)}, got {text!r}")
+    return _TRUTH[text]
 
 
 def _number(name: str, text: str) -> float:

@@ -52,6 +52,8 @@ PRESETS: Mapping[str, Preset] = {
         {
             "uphill": ("Uphill", {"slope": 0.08}),
             "downhill": ("Downhill", {"slope": -0.08}),
+            "no-ratchet": ("Downhill without a ratchet: it slides either way", {"slope": -0.08, "ratchet": False}),
+            "anchored": ("Foot clamped: it computes, and does not travel", {"anchored": True}),
             "heavy-foot": ("Heavy foot, light payload", {"foot_mass_fraction": 0.7}),
         },
     ),

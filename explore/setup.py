@@ -4,12 +4,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
-from ..common.validation import known_names, number_within
+from ..common.validation import known_names, number_within, truth_value
 from ..crawler import Groups, Scene
 from ..crawler.model.groups import RANGES
 from ..train.policies.pretrained import PRETRAINED
 
-__all__ = ["DRIVES", "LONGEST_WORD", "NUMBERS", "UNITS", "Number", "Setup", "changed", "setup_of"]
+__all__ = [
+    "DRIVES",
+    "LONGEST_WORD",
+    "NUMBERS",
+    "SWITCHES",
+    "UNITS",
+    "Number",
+    "Setup",
+    "Switch",
+    "changed",
+    "setup_of",
+    "without_effect",
+]
 
 DRIVES = ("word", "policy", "live")
 """What can drive the valve: a word repeated for ever, a policy that is shipped, or somebody at the space bar."""
@@ -67,6 +79,27 @@ NUMBERS: Mapping[str, Number] = {
 
 
 @dataclass(frozen=True)
+class Switch:
+    """What is so or not.
+
+    Attributes
+    ----------
+    label, help : str
+        In words, and what it does to the crawler.
+    """
+
+    label: str
+    help: str
+
+
+SWITCHES: Mapping[str, Switch] = {
+    "ratchet": Switch("Ratchet", "The foot slides forward only; without it, either way"),
+    "anchored": Switch("Anchored", "The foot is clamped: the body computes, and does not travel"),
+}
+"""Every switch, by the name of its field in a :class:`Setup` and in `Scene`."""
+
+
+@dataclass(frozen=True)
 class Setup:
     """A body, its ground, and what drives the valve.
 
@@ -74,6 +107,8 @@ class Setup:
     ----------
     groups : Groups
     slope : float, in [-0.3, 0.3]
+        As in `Scene`.
+    ratchet, anchored : bool
         As in `Scene`.
     hold : float, in [0.05, 5]
         Natural time between two turns of the valve.
@@ -99,6 +134,8 @@ class Setup:
 
     groups: Groups = field(default_factory=Groups)
     slope: float = 0.0
+    ratchet: bool = True
+    anchored: bool = False
     hold: float = 0.5
     tolerance: float = 1e-9
     drive: str = "word"
@@ -112,6 +149,8 @@ class Setup:
         for name, number in NUMBERS.items():
             value = getattr(self.groups if name in RANGES else self, name)
             number_within(name, value, number.interval)
+        for name in SWITCHES:
+            object.__setattr__(self, name, truth_value(name, getattr(self, name)))
         for name, allowed in (("drive", DRIVES), ("policy", PRETRAINED), ("units", UNITS)):
             if getattr(self, name) not in allowed:
                 raise ValueError(f"{name} must be one of {list(allowed)}, got {getattr(self, name)!r}")
@@ -121,7 +160,7 @@ class Setup:
     @property
     def scene(self) -> Scene:
         """The ground."""
-        return Scene(slope=self.slope)
+        return Scene(slope=self.slope, ratchet=self.ratchet, anchored=self.anchored)
 
     def to_dict(self) -> dict[str, Any]:
         """All fields by name, those of the groups among them: what `setup_of` takes."""
@@ -186,3 +225,8 @@ def changed(setup: Setup, name: str, value: Any) -> Setup:
     if name == "kinetic_friction":
         values["static_friction"] = max(setup.groups.static_friction, value)
     return setup_of(values, setup)
+
+
+def without_effect(setup: Setup) -> list[str]:
+    """Sliders and switches that change nothing beside what else is set: a foot that is clamped rubs on nothing."""
+    return ["static_friction", "kinetic_friction", "ratchet"] if setup.anchored else []

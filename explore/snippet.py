@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import fields
 
-from ..crawler import Groups
+from ..crawler import Groups, Scene
 from .driving import environment_kwargs, SEED, takes_weight
 from .measures import DELAYS, LONG, NODES, WASHOUT
 from .motion import samples_of, shown_holds
@@ -58,12 +58,14 @@ def _body(setup: Setup) -> str:
     lines = [f"groups = Groups({', '.join(groups)})"]
     if setup.units == "SI":
         body = actuator_with(setup.groups)
-        told = ", ".join(
+        parts = ", ".join(
             f"{each.name}={getattr(body, each.name)!r}" for each in fields(body) if each.name != "segments"
         )
-        lines.append(f"actuator = Actuator({told})")
+        lines.append(f"actuator = Actuator({parts})")
+    plain = Scene().to_dict()
+    ground = [f"{name}={value!r}" for name, value in setup.scene.to_dict().items() if value != plain[name]]
     lines += [
-        f"scene = Scene({f'slope={setup.slope!r}' if setup.slope else ''})",
+        f"scene = Scene({', '.join(ground)})",
         f"hold, tolerance = {setup.hold!r}, {setup.tolerance!r}",
     ]
     return "\n".join(lines)

@@ -10,11 +10,11 @@ from .link import query_of
 from .measures import LongRun
 from .motion import MOST_LIVE, Shown
 from .presets import preset
-from .setup import changed, LONGEST_WORD, Setup
+from .setup import changed, LONGEST_WORD, Setup, without_effect
 from .snippet import program_of
 from .units import in_si, units_of
 
-__all__ = ["View", "acted", "told_of_exponents", "told_of_long_run", "told_of_motion"]
+__all__ = ["View", "acted", "told_of_exponents", "told_of_long_run", "told_of_motion", "told_of_setup"]
 
 _AT_REST = (0,)
 
@@ -70,8 +70,20 @@ def acted(view: View, action: Mapping[str, Any]) -> View:
     raise ValueError(f"action must be set, preset, bit, keep or restart, got {doing!r}")
 
 
+def told_of_setup(view: View) -> dict[str, Any]:
+    """What a page says of what was asked for, before the crawler has moved, ready for JSON."""
+    setup = view.setup
+    return {
+        "setup": setup.to_dict(),
+        "without_effect": without_effect(setup),
+        "si": in_si(setup),
+        "query": query_of(setup),
+        "program": program_of(setup, view.bits),
+    }
+
+
 def told_of_motion(view: View, what: Shown) -> dict[str, Any]:
-    """What a page says beside the figures as soon as the crawler has moved, ready for JSON.
+    """What a page says of the crawler beside the figures as soon as it has moved, ready for JSON.
 
     Parameters
     ----------
@@ -85,16 +97,13 @@ def told_of_motion(view: View, what: Shown) -> dict[str, Any]:
     setup, motion = view.setup, what.motion
     units = units_of(setup)
     return {
-        "setup": setup.to_dict(),
-        "si": in_si(setup),
+        "moved": setup.to_dict(),
         "units": {**units._asdict(), "speed_unit": units.speed_unit},
         "holds": len(motion.valve),
         "distance": units.length * float(motion.foot[-1]),
         "time": units.time * float(motion.time[-1]),
         "slips": int(motion.slips),
         "model": motion.model,
-        "query": query_of(setup),
-        "program": program_of(setup, view.bits),
     }
 
 

@@ -5,7 +5,8 @@ window.stickslip = (() => {
   const by_id = (id) => document.getElementById(id)
   const page = by_id("page"), stage = new Stage(by_id("stage"))
   const sliders = new Map([...document.querySelectorAll(".number")].map((each) => [each.dataset.number, each]))
-  let sources = null, told = null
+  // What is wanted, and what was told of the motion that is drawn: behind it while a kernel is compiled.
+  let sources = null, wanted = null, told = null
   let number = 0, waiting = false, actions = []
   let time = 0, playing = true, pace = 2, bit = 0, last = null, drawn = 0, silence = 0, placed = ""
 
@@ -24,13 +25,15 @@ window.stickslip = (() => {
     sources.asked.data = { json: [JSON.stringify({ number, actions })] }
     actions = []
     clearTimeout(silence)
-    silence = setTimeout(() => say("No answer yet. The first use of a solver, or of an order of its series, compiles it, up to a minute once; or `stickslip explore` has ended."), 8000)
+    silence = setTimeout(() => say("No answer yet: the machine has much else to do, or `stickslip explore` has ended."), 8000)
   }
 
   function say(sentence) {
     by_id("notice").hidden = !sentence
     by_id("notice").textContent = sentence
   }
+
+  const COMPILING = "Compiling what this needs: up to a minute, once. What is drawn is from before."
 
   const set = (name, value) => ask({ do: "set", name, value })
 
@@ -97,6 +100,9 @@ window.stickslip = (() => {
     time = 0
   })
 
+  for (const each of document.querySelectorAll("[data-switch]"))
+    each.querySelector("input").addEventListener("change", (event) => set(each.dataset.switch, event.target.checked))
+
   // ---- The word.
 
   function change_word(word) {
@@ -104,8 +110,8 @@ window.stickslip = (() => {
   }
 
   by_id("word").addEventListener("change", (event) => set("word", event.target.value.trim()))
-  by_id("more").addEventListener("click", () => change_word(told.setup.word + "0"))
-  by_id("fewer").addEventListener("click", () => change_word(told.setup.word.slice(0, -1)))
+  by_id("more").addEventListener("click", () => change_word(wanted.setup.word + "0"))
+  by_id("fewer").addEventListener("click", () => change_word(wanted.setup.word.slice(0, -1)))
 
   function show_word(word) {
     const bits = by_id("bits")
@@ -114,7 +120,7 @@ window.stickslip = (() => {
       const place = bits.children.length, button = document.createElement("button")
       button.type = "button"
       button.addEventListener("click", () => {
-        const now = told.setup.word
+        const now = wanted.setup.word
         change_word(now.slice(0, place) + (now[place] === "1" ? "0" : "1") + now.slice(place + 1))
       })
       bits.append(button)
@@ -142,11 +148,11 @@ window.stickslip = (() => {
     if (event.detail > 0 && document.activeElement instanceof HTMLButtonElement) document.activeElement.blur()
   })
   document.addEventListener("keydown", (event) => {
-    if (event.code !== "Space" || typing(event.target) || by_id("program-dialog").open || !told) return
+    if (event.code !== "Space" || typing(event.target) || by_id("program-dialog").open || !wanted) return
     event.preventDefault()
     if (event.repeat) return
     press(true)
-    if (told.setup.drive !== "live") set("drive", "live")
+    if (wanted.setup.drive !== "live") set("drive", "live")
   })
   document.addEventListener("keyup", (event) => {
     if (event.code !== "Space") return
@@ -183,30 +189,33 @@ window.stickslip = (() => {
 
   function on_told() {
     const news = JSON.parse(sources.told.data.json[0])
-    waiting = false
-    clearTimeout(silence)
-    say(news.notice || "")
-    if (news.setup) show(news)
+    waiting = news.number < number
+    if (!waiting) clearTimeout(silence)
+    say(news.notice || (news.compiling ? COMPILING : ""))
+    wanted = news
+    show_controls(news)
+    if (news.moved) show(news)
+    if (news.compiling) stale([...SLOW, ...EXPONENTS], true)
+    page.classList.toggle("compiling", Boolean(news.compiling))
+    keep_link(news.query)
     page.dataset.answered = news.number
     page.removeAttribute("aria-busy")
-    if (actions.length) send()
+    if (actions.length && !waiting) send()
   }
 
-  function show(news) {
-    const anew = !told || told.setup.units !== news.setup.units || told.setup.drive !== news.setup.drive
-    if (told && told.setup.units !== news.setup.units) time *= news.units.time / told.units.time
-    else if (anew) time = 0
-    told = news
-    const { setup, units } = news
-    const columns = {}
-    for (const [name, column] of Object.entries(sources.trace.data)) columns[name] = column
-    stage.show(columns, units, setup.slope)
+  function show_controls(news) {
+    const setup = news.setup
     for (const [name, each] of sliders) {
       const slide = each.querySelector(".slide"), exact = each.querySelector(".exact")
+      each.classList.toggle("idle", news.without_effect.includes(name))
       if (actions.some((action) => action.name === name)) continue
       if (Number(value_of(slide)) !== setup[name]) slide.value = place_of(slide, setup[name])
       if (document.activeElement !== exact || news.notice) exact.value = written(setup[name])
       put(`${name}-si`, setup.units === "SI" ? lowered(news.si[name] || "") : "")
+    }
+    for (const each of document.querySelectorAll("[data-switch]")) {
+      each.classList.toggle("idle", news.without_effect.includes(each.dataset.switch))
+      each.querySelector("input").checked = setup[each.dataset.switch]
     }
     choices("units", setup.units)
     choices("drive", setup.drive)
@@ -216,14 +225,25 @@ window.stickslip = (() => {
     by_id("weighed").hidden = policy.dataset.weighed !== "true"
     by_id("flips").hidden = setup.drive === "live"
     show_word(setup.word)
-    put("distance", digits(news.distance) + unit(units.length_unit))
-    put("distance-more", `in ${digits(news.time)} ${lowered(units.time_unit)}, ${news.slips} slip${news.slips === 1 ? "" : "s"}`)
-    put("model", escaped(`Integrated: ${news.model}.`))
     by_id("program").textContent = news.program
+  }
+
+  function show(news) {
+    const anew = !told || told.moved.units !== news.moved.units || told.moved.drive !== news.moved.drive
+    if (told && told.moved.units !== news.moved.units) time *= news.units.time / told.units.time
+    else if (anew) time = 0
+    told = news
+    const { moved, units } = news
+    const columns = {}
+    for (const [name, column] of Object.entries(sources.trace.data)) columns[name] = column
+    stage.show(columns, units, moved)
+    put("distance", digits(news.distance) + unit(units.length_unit))
+    put("distance-more", moved.anchored ? "the foot is clamped" : `in ${digits(news.time)} ${lowered(units.time_unit)}, ${news.slips} slip${news.slips === 1 ? "" : "s"}`)
+    put("model", escaped(`Integrated: ${news.model}.`))
     if (anew) for (const each of document.querySelectorAll("[data-unit]")) each.innerHTML = lowered(units[`${each.dataset.unit}_unit`])
     // t_c is 1/16 s of the crawler in SI.
-    put("usual-pace", setup.units === "SI" ? `real time / ${(0.5 / units.time).toFixed(0)}` : "2 t<sub>c</sub> a second")
-    const live = setup.drive === "live"
+    put("usual-pace", moved.units === "SI" ? `real time / ${(0.5 / units.time).toFixed(0)}` : "2 t<sub>c</sub> a second")
+    const live = moved.drive === "live"
     stale(SLOW, !live)
     stale(EXPONENTS, !live)
     if (live) {
@@ -234,7 +254,6 @@ window.stickslip = (() => {
       nothing("no-memory", "Memory is measured on flips, which no hand makes.")
       nothing("no-plane", "")
     }
-    keep_link(news.query)
   }
 
   function on_measured() {
@@ -251,13 +270,13 @@ window.stickslip = (() => {
 
   function show_run(run) {
     stale(SLOW, false)
-    const { setup, units } = told
+    const { moved, units } = told
     put("speed", digits(run.speed) + unit(units.speed_unit))
     put("speed-more", escaped(`over ${run.holds} holds`))
     if (run.memory === null) {
       put("memory", "–")
-      put("memory-more", escaped(setup.dither === 0 ? "no flips, no message" : "flips are too rare"))
-      nothing("no-memory", setup.dither === 0 ? "Without flips there is no message to remember." : run.doubt)
+      put("memory-more", escaped(moved.dither === 0 ? "no flips, no message" : "flips are too rare"))
+      nothing("no-memory", moved.dither === 0 ? "Without flips there is no message to remember." : run.doubt)
     } else {
       put("memory", digits(run.memory) + unit("holds"))
       put("memory-more", escaped(run.doubt ? "rough: the flips are few" : `of at most ${run.bound}`))
@@ -299,12 +318,12 @@ window.stickslip = (() => {
   }
 
   by_id("copy-link").addEventListener("click", (event) => {
-    const query = told.query ? `?${told.query}` : ""
+    const query = wanted.query ? `?${wanted.query}` : ""
     copied(event.target, location.origin + location.pathname + query)
   })
   by_id("show-program").addEventListener("click", () => by_id("program-dialog").showModal())
   by_id("close-program").addEventListener("click", () => by_id("program-dialog").close())
-  by_id("copy-program").addEventListener("click", (event) => copied(event.target, told.program))
+  by_id("copy-program").addEventListener("click", (event) => copied(event.target, wanted.program))
 
   // ---- The clock.
 
@@ -322,11 +341,11 @@ window.stickslip = (() => {
   by_id("play").addEventListener("click", () => play(!playing))
   by_id("again").addEventListener("click", () => {
     time = 0
-    if (told.setup.drive === "live") ask({ do: "restart" })
+    if (wanted.setup.drive === "live") ask({ do: "restart" })
   })
   by_id("stage").addEventListener("pointerdown", (event) => {
     const there = stage.time_at(event.offsetX, event.offsetY)
-    if (there === null || told.setup.drive === "live") return
+    if (there === null || told.moved.drive === "live") return
     time = there
     const move = (moved) => { time = stage.time_at(moved.offsetX, event.offsetY) ?? time }
     const stop = () => { by_id("stage").removeEventListener("pointermove", move) }
@@ -336,7 +355,8 @@ window.stickslip = (() => {
 
   function clock(at, units) {
     const few = (value, unit) => `${value.toFixed(unit === "mm" ? 0 : unit === "s" ? 2 : 1)} ${lowered(unit)}`
-    return `foot at ${few(at.foot, units.length_unit)} · ${few(at.time, units.time_unit)}`
+    const where = told.moved.anchored ? `stretched by ${few(at.deformation, units.length_unit)}` : `foot at ${few(at.foot, units.length_unit)}`
+    return `${where} · ${few(at.time, units.time_unit)}`
   }
 
   // At the space bar a hold is asked for shortly before the one that is played ends.
@@ -348,7 +368,7 @@ window.stickslip = (() => {
     last = now
     if (!told || !stage.trace) return
     if (playing) time += lapse * pace * told.units.time
-    if (told.setup.drive === "live") {
+    if (told.moved.drive === "live") {
       if (playing && !waiting && stage.end - time < LEAD * pace * told.units.time) ask({ do: "bit", value: bit })
       if (stage.end < time - told.units.time) time = stage.end // it began anew
       time = Math.max(stage.begin, Math.min(time, stage.end))
@@ -376,6 +396,6 @@ window.stickslip = (() => {
     },
     // For tests and timings: what is seen, and the sources it comes from.
     get models() { return sources },
-    get seen() { return { told, time, trace: stage.trace && { ...stage.trace }, at: stage.trace && stage.at(time) } },
+    get seen() { return { told, wanted, time, trace: stage.trace && { ...stage.trace }, at: stage.trace && stage.at(time) } },
   }
 })()

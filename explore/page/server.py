@@ -5,14 +5,14 @@ import logging
 import socket
 import webbrowser
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any
 from urllib.parse import urlencode
 
 from ...common.extras import optional_import
+from ...common.workers import worker_processes
+from ..kernels import compile_kernels
 from ..link import query_of, setup_of_query
-from ..measures import exponents_of, long_run
-from ..motion import shown
 from ..setup import Setup
 from .session import Session
 
@@ -26,7 +26,7 @@ __all__ = ["address_of", "prepare", "serve", "server_at"]
 _HOST = "127.0.0.1"
 
 
-def server_at(port: int, setup: Setup, workers: ThreadPoolExecutor) -> "Server":
+def server_at(port: int, setup: Setup, workers: Executor, compilers: Executor) -> "Server":
     """A server that listens on this machine alone, not yet started.
 
     Parameters
@@ -35,8 +35,10 @@ def server_at(port: int, setup: Setup, workers: ThreadPoolExecutor) -> "Server":
         0 for any that is free.
     setup : Setup
         What a visitor without a link sees.
-    workers : ThreadPoolExecutor
-        Who do the long runs.
+    workers : Executor
+        Threads that do the long runs.
+    compilers : Executor
+        Processes that compile.
 
     Returns
     -------
@@ -56,7 +58,7 @@ def server_at(port: int, setup: Setup, workers: ThreadPoolExecutor) -> "Server":
             seen = setup_of_query(urlencode(pairs)) if pairs else setup
         except (TypeError, ValueError) as error:
             notice = f"This link is not followed: {' '.join(str(error).split())}."
-        Session(document, seen, notice, workers)
+        Session(document, seen, notice, workers, compilers)
 
     chosen = port or _free_port()
     try:
@@ -87,11 +89,9 @@ def address_of(server: "Server", setup: Setup) -> str:
 
 
 def prepare(setup: Setup) -> None:
-    """Have all kernels compiled that a page needs, so that no slider waits for them."""
+    """Have all kernels loaded, or compiled, that a page begins with."""
     for each in (setup, Setup(), Setup(drive="policy")):
-        if each.drive != "live":
-            shown(each)
-            exponents_of(each, long_run(each).valve)
+        compile_kernels(each)
 
 
 def serve(setup: Setup, port: int, open_browser: bool, say: Callable[[str], None]) -> None:
@@ -114,8 +114,8 @@ def serve(setup: Setup, port: int, open_browser: bool, say: Callable[[str], None
     """
     # A visitor who has left is no news.
     logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
-    with ThreadPoolExecutor(1) as workers:
-        server = server_at(port, setup, workers)
+    with ThreadPoolExecutor(1) as workers, worker_processes(1) as compilers:
+        server = server_at(port, setup, workers, compilers)
         say("Preparing the solver: up to a minute the first time.")
         prepare(setup)
         server.start()

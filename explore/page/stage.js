@@ -15,11 +15,11 @@ class Stage {
     this.trace = null
   }
 
-  // Columns of the trace in the units shown, and what these are: see `trace_of` in Python.
-  show(trace, units, slope) {
+  // Columns of the trace in the units shown, what these are, and the setup: see `trace_of` in Python.
+  show(trace, units, setup) {
     this.trace = trace
     this.units = units
-    this.slope = slope
+    this.setup = setup
     this.still = false
     this.stops = stops_of(trace).map((stop) => ({ x: stop.value / units.length, from: stop.from }))
   }
@@ -39,7 +39,7 @@ class Stage {
       foot: between("foot"), deformation: between("deformation"), velocity: between("velocity"),
       x: between("foot") / units.length, z: between("deformation") / units.length,
       pressure: between("pressure") / units.pressure,
-      sliding: trace.sliding[i] > 0 && Math.abs(trace.foot[i] - trace.foot[i - 1]) > 0,
+      heading: trace.sliding[i] > 0 ? Math.sign(trace.foot[i] - trace.foot[i - 1]) : 0,
       open: trace.valve[i] > 0, flipped: trace.flipped[i] > 0,
     }
   }
@@ -70,7 +70,7 @@ class Stage {
     context.clip()
     context.translate(width / 2, ground)
     // M g sin(angle) is the slope in units of P_max A_0, which is 0.815 M g for the crawler of Ecoflex.
-    this.rise = Math.max(-0.9, Math.min(0.9, 0.815 * this.slope))
+    this.rise = Math.max(-0.9, Math.min(0.9, 0.815 * this.setup.slope))
     this.room = height - strip - ground
     context.rotate(-Math.asin(this.rise))
     const place = (x) => (x - this.camera) * scale
@@ -124,31 +124,37 @@ class Stage {
   // Where the foot has held, and the way that it slid last.
   #trail(place, scale, now) {
     const { context } = this
+    if (this.setup.anchored) return
     for (const stop of this.stops) {
-      if (stop.from > now.time || stop.x > now.x + 1e-9) continue
+      if (stop.from > now.time) continue
       const x = place(stop.x)
       context.fillStyle = INK.stick
       context.globalAlpha = 0.55
-      for (let k = 0; k < 3; k++) tooth(context, x - FOOT * scale * (0.83 - 0.33 * k), 1, 0.1 * scale)
+      if (this.setup.ratchet) for (let k = 0; k < 3; k++) tooth(context, x - FOOT * scale * (0.83 - 0.33 * k), 1, 0.1 * scale)
+      else context.fillRect(x - FOOT * scale, 1, FOOT * scale, 3)
       context.globalAlpha = 1
     }
     const last = this.stops.filter((stop) => stop.from <= now.time)
     const begun = last.length ? last[last.length - 1] : null
-    const from = now.sliding ? begun : last.length > 1 ? last[last.length - 2] : null
+    const from = now.heading ? begun : last.length > 1 ? last[last.length - 2] : null
     if (from === null) return
-    const left = place(from.x), right = place(now.x), fade = now.sliding ? 1 : Math.max(0, 1 - (now.time - begun.from) / (0.9 * this.units.time))
-    if (fade <= 0 || right - left < 1) return
-    const trail = context.createLinearGradient(left - FOOT * scale, 0, right, 0)
+    const fade = now.heading ? 1 : Math.max(0, 1 - (now.time - begun.from) / (0.9 * this.units.time))
+    const gone = place(now.x) - place(from.x), back = FOOT * scale
+    if (fade <= 0 || Math.abs(gone) < 1) return
+    // What the foot has left behind it: from where its end was to where that end is.
+    const begin = place(from.x) - (gone > 0 ? back : 0), end = begin + gone
+    const trail = context.createLinearGradient(begin, 0, end, 0)
     trail.addColorStop(0, "rgba(213, 94, 0, 0.08)")
     trail.addColorStop(1, `rgba(213, 94, 0, ${0.85 * fade})`)
     context.fillStyle = trail
-    context.fillRect(left - FOOT * scale, -2, right - left, 4)
-    if (now.sliding) {
+    context.fillRect(Math.min(begin, end), -2, Math.abs(gone), 4)
+    if (now.heading > 0) {
       // Streaks in the air behind it.
+      const right = place(now.x)
       context.strokeStyle = "rgba(213, 94, 0, 0.55)"
       context.lineWidth = 2
       for (const [height, length] of [[0.22, 0.5], [0.5, 0.75], [0.78, 0.4]]) {
-        const end = right - (FOOT + 0.12) * scale, long = Math.min(length * scale, right - left)
+        const end = right - (FOOT + 0.12) * scale, long = Math.min(length * scale, gone)
         line(context, end - long, -height * HEIGHT * scale, end, -height * HEIGHT * scale)
       }
     }
@@ -204,13 +210,23 @@ class Stage {
     context.textBaseline = "middle"
     context.fillText(`p ${now.pressure.toFixed(2)}`, front + 0.5 * PAYLOAD * scale, -radius * 1.6 - 0.48 * HEIGHT * scale)
 
-    // The foot: teeth in the ground where it sticks, lifted and leaning where it slides.
-    const colour = now.sliding ? INK.slip : INK.stick, back = foot - FOOT * scale
-    const depth = 0.1 * scale, lift = now.sliding ? depth + 2 : 0
+    this.#foot(foot, scale, now)
+  }
+
+  // The foot: clamped, or, where it sticks, on the ground, with teeth in it if it has a ratchet; where it slides, lifted and leaning.
+  #foot(foot, scale, now) {
+    const { context } = this, back = foot - FOOT * scale
+    if (this.setup.anchored) {
+      this.#clamp(back, foot, scale)
+      return
+    }
+    const colour = now.heading ? INK.slip : INK.stick
+    const depth = 0.1 * scale, lift = now.heading ? depth + 2 : 0
     context.fillStyle = colour
-    for (let k = 0; k < 3; k++) tooth(context, back + FOOT * scale * (0.17 + 0.33 * k), 1 - lift, now.sliding ? depth * 0.6 : depth)
+    if (this.setup.ratchet)
+      for (let k = 0; k < 3; k++) tooth(context, back + FOOT * scale * (0.17 + 0.33 * k), 1 - lift, now.heading ? depth * 0.6 : depth)
     context.beginPath()
-    const top = -(0.05 + HEIGHT) * scale - lift, lean = now.sliding ? 0.09 * scale : 0
+    const top = -(0.05 + HEIGHT) * scale - lift, lean = 0.09 * scale * now.heading
     context.moveTo(back + 0.1 * scale - lean, top)
     context.lineTo(foot - lean, top)
     context.lineTo(foot, 1 - lift)
@@ -218,14 +234,37 @@ class Stage {
     context.lineTo(back - lean, top + 0.1 * scale)
     context.closePath()
     context.fill()
+    this.#word(now.heading > 0 ? "slides" : now.heading < 0 ? "slides back" : "sticks", 0.5 * (back + foot), top)
+  }
 
-    // What it does, in a word.
-    const word = now.sliding ? "slides" : "sticks"
+  // A wall that the body is bolted to.
+  #clamp(back, foot, scale) {
+    const { context } = this, top = -(0.05 + HEIGHT) * scale, thick = 0.16 * scale
+    context.strokeStyle = INK.soft
+    context.lineWidth = 2
+    for (let k = 0; k < 6; k++) {
+      const y = top + (k + 1) * -top / 6
+      line(context, foot - thick, y - 0.16 * scale, foot - thick - 0.16 * scale, y)
+    }
+    context.fillStyle = INK.payload
+    context.fillRect(foot - thick, top, thick, -top)
+    for (const share of [0.3, 0.7]) {
+      box(context, foot - 0.04 * scale, top * share - 0.05 * scale, 0.2 * scale, 0.1 * scale, 2)
+      context.fill()
+    }
+    this.#word("clamped", foot - 0.5 * thick, top)
+  }
+
+  // What the foot does, in a word above it, in the colour that is set.
+  #word(word, centre, top) {
+    const { context } = this
     context.font = `600 12px ${FONT}`
-    const long = context.measureText(word).width + 16, centre = 0.5 * (back + foot)
+    const long = context.measureText(word).width + 16
     box(context, centre - long / 2, top - 30, long, 21, 10)
     context.fill()
     context.fillStyle = "#fff"
+    context.textAlign = "center"
+    context.textBaseline = "middle"
     context.fillText(word, centre, top - 19)
   }
 

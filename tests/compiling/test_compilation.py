@@ -176,6 +176,27 @@ def test_a_kernel_is_compiled_once_and_says_so(package):
     assert ask(package) == ("2.0,1", "")
 
 
+REFUSED = """
+from contextlib import nullcontext
+from stickslip.compiling.compilation import kept_kernels_alone, NotCompiledError
+from crawl.outer import moved
+def asked(within):
+    try:
+        with within:
+            return moved(1.0)
+    except NotCompiledError as error:
+        return str(error)
+print(asked(kept_kernels_alone()), asked(nullcontext()), asked(kept_kernels_alone()), sep=",")
+"""
+
+
+def test_what_is_not_kept_is_refused_where_asked_for_and_compiled_elsewhere(package):
+    answer, said = ask(package, REFUSED)
+    assert answer == "moved is not compiled yet,2.0,2.0"
+    assert said.count("compiling kernels") == 1
+    assert ask(package, REFUSED) == ("2.0,2.0,2.0", "")
+
+
 def test_an_edited_callee_is_compiled_anew(package):
     at_once = [begun(package) for _ in range(2)]
     assert [process.communicate(timeout=300)[0].split(b",")[0].strip() for process in at_once] == [b"2.0", b"2.0"]

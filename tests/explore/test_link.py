@@ -8,7 +8,7 @@ from hypothesis import strategies as some
 
 from stickslip.explore.link import query_of, setup_of_query
 from stickslip.explore.presets import preset, PRESETS
-from stickslip.explore.setup import DRIVES, NUMBERS, Setup, setup_of, UNITS
+from stickslip.explore.setup import DRIVES, NUMBERS, Setup, setup_of, SWITCHES, UNITS
 from stickslip.train.policies.pretrained import PRETRAINED
 
 NUMERIC = {name: some.floats(each.low, each.high) for name, each in NUMBERS.items() if "friction" not in name}
@@ -18,6 +18,7 @@ CHOSEN = {
     "drive": some.sampled_from(DRIVES),
     "policy": some.sampled_from(PRETRAINED),
     "units": some.sampled_from(UNITS),
+    **dict.fromkeys(SWITCHES, some.booleans()),
     "word": some.text("01", min_size=1, max_size=32),
 }
 
@@ -35,6 +36,7 @@ def test_a_link_carries_a_setup_to_the_last_bit(values):
 def test_a_link_tells_what_is_not_usual_and_no_more():
     assert query_of(Setup()) == ""
     assert query_of(setup_of({"duffing": 2.0, "word": "10"})) == "duffing=2.0&word=10"
+    assert query_of(setup_of({"anchored": True, "ratchet": False})) == "ratchet=false&anchored=true"
     assert setup_of_query("") == Setup()
 
 
@@ -54,6 +56,7 @@ def test_a_link_may_begin_with_a_preset():
         ("kinetic_friction=0.9", r"kinetic_friction must be in \[0, static_friction = 0.3\], got 0.9"),
         ("word=<script>", r"word must be 1 to 32 letters 0 and 1, got '<script>'"),
         ("policy=..%2F..%2Fetc%2Fpasswd", r"policy must be one of \[.*\], got '../../etc/passwd'"),
+        ("anchored=1", r"anchored must be one of \['true', 'false'\], got '1'"),
         ("groups=1", r"link has no 'groups'; allowed are \['preset', 'duffing'"),
         ("__class__=1", r"link has no '__class__'"),
         ("hold=1&hold=2", r"link must name 'hold' once, got it 2 times"),

@@ -28,17 +28,39 @@ pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium on this machine"),
     pytest.mark.xdist_group("page"),
 ]
-pytest.importorskip("bokeh", reason='the page needs `pip install "stickslip[explore]"`: make explore')
-playwright = pytest.importorskip("playwright.sync_api", reason="a browser is moved by playwright: make explore")
+pytest.importorskip("bokeh", reason='the page needs `pip install "stickslip[explore]"`: make browser')
+playwright = pytest.importorskip("playwright.sync_api", reason="a browser is moved by playwright: make browser")
 
 SECONDS = 90_000  # milliseconds that anything may take on a machine with other work
 DESKTOP, PHONE = {"width": 1440, "height": 1000}, {"width": 390, "height": 844}
 
 
+PROGRAM = "from stickslip.cli import main; main()"
+# As if the kernels of this hold were not kept, and took until a file is there to be compiled.
+COMPILING = """
+import sys, time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from stickslip.compiling.compilation import NotCompiledError
+from stickslip.explore.page import server, session
+may, usual = Path(sys.argv.pop()), session.shown
+
+def shown(setup, bits):
+    if setup.hold == 0.75 and not may.exists():
+        raise NotCompiledError("a kernel is not compiled yet")
+    return usual(setup, bits)
+
+def compile_kernels(setup):
+    while not may.exists():
+        time.sleep(0.05)
+
+session.shown, session.compile_kernels, server.worker_processes = shown, compile_kernels, ThreadPoolExecutor
+"""
+
+
 @contextmanager
-def served(*options):
+def served(*options, program=PROGRAM):
     """A process that serves the page, and where."""
-    program = "from stickslip.cli import main; main()"
     command = [sys.executable, "-c", program, "explore", "--no-open", "--port", "0", *options]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, encoding="utf-8")
     said = []
@@ -74,6 +96,12 @@ def browser():
 @pytest.fixture
 def opened(browser, address):
     """Open a page at a link, ready and measured; nothing may be logged as an error until the test is over."""
+    with opening(browser, address) as open_:
+        yield open_
+
+
+@contextmanager
+def opening(browser, address):
     contexts, faults = [], []
 
     def open_(query="", viewport=DESKTOP, **options):
@@ -224,9 +252,9 @@ def test_the_space_bar_opens_the_valve(opened):
     assert re.fullmatch(r"0+1+0+", bits), bits
     motion = simulate({}, [int(bit) for bit in bits], 0.5, samples_per_hold=17)
     np.testing.assert_array_equal(trace(page)["foot"][1:], motion.foot)
-    answered(page, lambda: page.click("#keep"))
+    page.click("#keep")  # the answer to a bit may be on its way
+    page.wait_for_function("window.stickslip.seen.told.setup.drive === 'word'")
     assert told(page)["setup"]["word"] == bits[-32:]
-    assert told(page)["setup"]["drive"] == "word"
 
 
 def test_a_finger_opens_the_valve_too(opened):
@@ -270,6 +298,65 @@ def test_a_forged_link_is_told_of_in_a_sentence(opened):
     assert_drawn(page, Setup())
 
 
+def test_switches_clamp_the_foot_and_take_its_ratchet(opened):
+    page = opened("?slope=-0.08")
+    assert page.is_checked("#ratchet")
+    answered(page, lambda: page.uncheck("#ratchet"))
+    setup = setup_of({"slope": -0.08, "ratchet": False})
+    assert_drawn(page, setup)
+    assert (np.diff(trace(page)["foot"]) < 0).any()
+    answered(page, lambda: page.check("#anchored"))
+    setup = setup_of({"anchored": True}, setup)
+    assert_drawn(page, setup)
+    assert not trace(page)["foot"].any()
+    assert page.locator(".idle").evaluate_all("all => all.map(each => each.dataset.number ?? each.dataset.switch)") == [
+        "static_friction",
+        "kinetic_friction",
+        "ratchet",
+    ]
+    measured(page)
+    assert page.inner_text("#speed").startswith("0.00")
+    assert page.inner_text("#memory").startswith(f"{long_run(setup).memory.corrected:.2f}")
+    page.wait_for_function("location.search.includes('anchored=true')")
+    assert setup_of_query(page.evaluate("location.search")) == setup
+    assert "Scene(anchored=True, ratchet=False, slope=-0.08)" in told(page)["program"]
+    again = opened("?anchored=true&ratchet=false")
+    assert_drawn(again, setup_of({"anchored": True, "ratchet": False}))
+    assert again.is_checked("#anchored")
+    assert not again.is_checked("#ratchet")
+
+
+def test_while_a_kernel_is_compiled_the_page_lives(browser, tmp_path):
+    may = tmp_path / "may"
+    with served(str(may), program=COMPILING + PROGRAM) as found, opening(browser, found) as open_:
+        page = open_()
+        page.fill("#hold-exact", "0.75")
+        answered(page, lambda: page.press("#hold-exact", "Enter"))
+        line = "Compiling what this needs: up to a minute, once. What is drawn is from before."
+        assert page.inner_text("#notice") == line
+        assert_drawn(page, Setup())
+        # The crawler goes on, and another change of what is not compiled changes what is shown of it.
+        before = page.evaluate("window.stickslip.seen.time")
+        page.wait_for_function(f"window.stickslip.seen.time !== {before}")
+        answered(page, lambda: page.click("#bits button:nth-child(2)"))
+        assert page.inner_text("#notice") == line
+        assert page.input_value("#word") == "10100111000"
+        assert_drawn(page, Setup())
+        # What is compiled is answered at once, beside the compiler.
+        page.fill("#hold-exact", "0.5")
+        answered(page, lambda: page.press("#hold-exact", "Enter"))
+        assert page.is_hidden("#notice")
+        assert_drawn(page, setup_of({"word": "10100111000"}))
+        measured(page)
+        page.fill("#hold-exact", "0.75")
+        answered(page, lambda: page.press("#hold-exact", "Enter"))
+        assert page.inner_text("#notice") == line
+        may.touch()
+        page.wait_for_function("document.getElementById('notice').hidden")
+        measured(page)
+        assert_drawn(page, setup_of({"word": "10100111000", "hold": 0.75}))
+
+
 def test_the_program_is_shown_and_a_preset_taken(opened):
     page = opened()
     answered(page, lambda: page.select_option("#preset", "uphill"))
@@ -292,7 +379,9 @@ def test_without_flips_it_is_said_that_there_is_no_memory(opened):
     [DESKTOP, {"width": 1024, "height": 768}, PHONE, {"width": 320, "height": 640}],
     ids=lambda v: v["width"],
 )
-@pytest.mark.parametrize("query", ["", "?units=SI&drive=policy&policy=conditioned", "?drive=live"])
+@pytest.mark.parametrize(
+    "query", ["", "?units=SI&drive=policy&policy=conditioned", "?drive=live", "?preset=no-ratchet"]
+)
 def test_nothing_overlaps_and_nothing_is_scrolled_to_the_side(opened, viewport, query):
     page = opened(query, viewport=viewport)
     assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
@@ -310,7 +399,7 @@ def test_nothing_overlaps_and_nothing_is_scrolled_to_the_side(opened, viewport, 
             assert apart, (name, other)
     # No text is cut off in buttons, and no label is hidden by its number.
     cut = page.evaluate(
-        """[...document.querySelectorAll("button, .number label, .metric b, .metric small, h2, .caption")]
+        """[...document.querySelectorAll("button, .number label, .switch, .metric b, .metric small, h2, .caption")]
             .filter((each) => each.offsetParent && each.scrollWidth > each.clientWidth + 1)
             .map((each) => each.id || each.textContent)"""
     )

@@ -1,11 +1,13 @@
 """Setups: what a page may be asked for, and what moves with what."""
 
+import numpy as np
 import pytest
 
-from stickslip.crawler import Groups
+from stickslip.crawler import Groups, Scene
 from stickslip.crawler import PRESETS as BODIES
+from stickslip.explore.motion import shown
 from stickslip.explore.presets import preset, PRESETS
-from stickslip.explore.setup import changed, NUMBERS, Setup, setup_of
+from stickslip.explore.setup import changed, NUMBERS, Setup, setup_of, SWITCHES, without_effect
 from stickslip.train.policies.pretrained import PRETRAINED
 
 
@@ -14,6 +16,24 @@ def test_every_number_of_a_setup_has_a_slider_and_starts_within_it():
     assert {name for name, value in values.items() if isinstance(value, float)} == set(NUMBERS)
     assert all(number.low <= values[name] <= number.high for name, number in NUMBERS.items())
     assert Setup().groups == Groups()
+
+
+def test_every_truth_of_a_setup_has_a_switch_and_is_the_scene_s():
+    values = Setup().to_dict()
+    assert {name for name, value in values.items() if isinstance(value, bool)} == set(SWITCHES)
+    assert Setup().scene == Scene()
+    assert setup_of({"ratchet": False, "slope": 0.1}).scene == Scene(ratchet=False, slope=0.1)
+    assert changed(Setup(), "anchored", True).scene == Scene(anchored=True)
+
+
+def test_what_is_without_effect_changes_nothing():
+    assert without_effect(Setup()) == []
+    clamped = preset("anchored")
+    others = {"static_friction": 0.9, "kinetic_friction": 0.7, "ratchet": False}
+    assert sorted(without_effect(clamped)) == sorted(others)
+    one, other = (shown(setup).motion for setup in (clamped, setup_of(others, clamped)))
+    np.testing.assert_array_equal(one.deformation, other.deformation)
+    assert not one.foot.any()
 
 
 def test_a_setup_is_that_of_its_own_fields():
@@ -41,6 +61,8 @@ def test_a_setup_is_that_of_its_own_fields():
         ("drive", "wind", r"drive must be one of \['word', 'policy', 'live'\], got 'wind'"),
         ("policy", "../knee", r"policy must be one of \[.*'knee'.*\], got '../knee'"),
         ("units", "imperial", r"units must be one of \['natural', 'SI'\], got 'imperial'"),
+        ("ratchet", 1, r"ratchet must be True or False, got 1"),
+        ("anchored", "true", r"anchored must be True or False, got 'true'"),
         ("colour", "red", r"setup has no 'colour'; allowed are \['duffing'"),
     ],
 )

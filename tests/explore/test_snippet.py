@@ -15,6 +15,8 @@ SETUPS = {
         {"word": "1101", "duffing": 3.0, "slope": -0.05, "hold": 0.7, "tolerance": 1e-7, "dither": 0.2, "units": "SI"}
     ),
     "no flips": preset("clean-gait"),
+    "anchored": setup_of({"anchored": True, "ratchet": False, "slope": 0.1}),
+    "no ratchet": preset("no-ratchet"),
     "policy": setup_of({"deborah": 0.3}, preset("knee-policy")),
     "conditioned": setup_of({"policy": "conditioned", "weight": 0.25}, preset("knee-policy")),
     "live": Setup(drive="live", units="SI"),

@@ -9,7 +9,7 @@ from stickslip.explore.measures import exponents_of, long_run
 from stickslip.explore.motion import MOST_LIVE, shown
 from stickslip.explore.presets import preset
 from stickslip.explore.setup import Setup, setup_of
-from stickslip.explore.view import acted, told_of_exponents, told_of_long_run, told_of_motion, View
+from stickslip.explore.view import acted, told_of_exponents, told_of_long_run, told_of_motion, told_of_setup, View
 
 
 def test_each_action_does_what_it_says():
@@ -58,8 +58,10 @@ def test_what_is_told_is_what_was_found_and_fits_json():
     assert told["distance"] == pytest.approx(31.25 * what.motion.foot[-1])
     assert told["time"] == pytest.approx(0.0625 * 24.0)
     assert told["slips"] == what.motion.slips
-    assert setup_of_query(told["query"]) == setup
-    assert "in_si" in told["program"]
+    asked = json.loads(json.dumps(told_of_setup(View(setup)), allow_nan=False))
+    assert asked["setup"] == told["moved"] == setup.to_dict()
+    assert setup_of_query(asked["query"]) == setup
+    assert "in_si" in asked["program"]
     run = long_run(setup)
     measured = json.loads(json.dumps(told_of_long_run(setup, run), allow_nan=False))
     assert measured["speed"] == pytest.approx(run.speed * 500.0)
