@@ -11,7 +11,7 @@ from ...common.validation import finite_array, number_within
 from .actuator import Actuator
 from .variations import HOLDS
 
-__all__ = ["hold_in_seconds", "natural_hold", "natural_holds", "said_of_hold"]
+__all__ = ["hold_in_seconds", "measured_hold", "natural_hold", "natural_holds", "said_of_hold"]
 
 _NATURAL = "t_c"
 # Units as parts of a second: a division by these powers of ten rounds once, so that "31.25 ms" is 1/32 s to the bit.
@@ -49,8 +49,8 @@ def natural_hold(hold: Any, groups: Any, allowed: str = HOLDS) -> float:
         natural = value
     elif unit is None:
         raise ValueError(
-            f"hold must be in units of t_c, such as 0.5, where groups is no Actuator, which alone says how many "
-            f"seconds t_c has; got {hold!r}"
+            f"hold must be in units of t_c, such as 0.5, where groups is no Actuator, such as ecoflex, which alone "
+            f"says how many seconds t_c has; got {hold!r}"
         )
     else:
         natural = value / parts / unit
@@ -58,6 +58,39 @@ def natural_hold(hold: Any, groups: Any, allowed: str = HOLDS) -> float:
         return number_within("hold", natural, allowed)
     except ValueError:
         raise ValueError(f"hold must be in {allowed} t_c{_in_seconds(allowed, unit)}, got {hold!r}") from None
+
+
+def measured_hold(hold: Any, groups: Any) -> float:
+    """Length of a hold in seconds, for what was measured in seconds.
+
+    Parameters
+    ----------
+    hold : float or str
+        A number is in seconds already. A text has a unit, as in `natural_hold`; that of "0.5 t_c" needs an `Actuator`.
+    groups : Groups, str, mapping, Actuator or None
+        Of the crawler.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `hold` is neither, in units of t_c without an actuator, or out of range.
+    """
+    if not isinstance(hold, str):
+        return number_within("hold", hold, HOLDS)
+    value, parts = _written(hold, HOLDS)
+    unit = _unit(groups)
+    if parts is not None:
+        return number_within("hold", value / parts, HOLDS)
+    if unit is None:
+        raise ValueError(
+            f"hold must be in seconds, such as '20 ms', where groups is no Actuator, such as ecoflex, which alone "
+            f"says how many seconds t_c has; got {hold!r}"
+        )
+    return number_within("hold", value * unit, HOLDS)
 
 
 def natural_holds(hold: Any, groups: Any, allowed: str = HOLDS) -> float | NDArray[np.float64]:

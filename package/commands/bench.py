@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from ..common.extras import optional_import
 from ..common.validation import whole_number
-from .options import groups_of, GroupsOption, json_object, SceneOption
+from .options import groups_of, GroupsOption, hold_of, json_object, SceneOption
 from .printing import print_table, progress, say
 
 with optional_import():
@@ -31,7 +31,11 @@ def bench(
     length: Annotated[int, typer.Option(help="Samples of a repetition.")] = 4000,
     washout: Annotated[int, typer.Option(help="Samples at its start that are not scored.")] = 200,
     hold: Annotated[
-        float | None, typer.Option(help="Length of a hold, natural time; 0.5 where it is not swept.")
+        str | None,
+        typer.Option(
+            help="Length of a hold: natural time, or '20 ms' where --groups is a body in SI units; 0.5 where it is not "
+            "swept."
+        ),
     ] = None,
     groups: GroupsOption = None,
     scene: SceneOption = "{}",
@@ -51,7 +55,7 @@ def bench(
         "scene": json_object("--scene", scene),
     }
     if hold is not None:
-        body["hold"] = hold
+        body["hold"] = hold_of(hold, body["groups"])
     benchmark = Bench(
         output,
         tasks=tasks,

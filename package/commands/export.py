@@ -5,7 +5,7 @@ from typing import Annotated, Any, TYPE_CHECKING
 
 from ..common.extras import optional_import
 from ..common.validation import known_names, whole_number
-from .options import actuator_of, policy_of, WeightOption
+from .options import actuator_of, hold_of, policy_of, WeightOption
 from .printing import say
 
 with optional_import():
@@ -36,7 +36,8 @@ def export(
     weight: WeightOption = None,
     holds: Annotated[int, typer.Option(help="How many, of csv and json.")] = 200,
     hold: Annotated[
-        float | None, typer.Option(help="Length of one, natural time; the policy's own, 0.5 of a word.")
+        str | None,
+        typer.Option(help="Length of one, natural time or such as '20 ms'; the policy's own, 0.5 of a word."),
     ] = None,
     dither: Annotated[
         float | None, typer.Option(help="Probability of a flip, 0 to 0.5; the policy's own, 0 of a word.")
@@ -63,7 +64,8 @@ def export(
         say(_write_policy(policy_of(source, weight), to, file))
         return
     body = None if actuator is None else actuator_of(actuator)
-    asked = {name: value for name, value in {"hold": hold, "dither": dither}.items() if value is not None}
+    natural = None if hold is None else hold_of(hold, Actuator.ecoflex() if body is None else body)
+    asked = {name: value for name, value in {"hold": natural, "dither": dither}.items() if value is not None}
     settings: dict[str, Any] = {"holds": holds, "seed": seed, "open_volts": open_volts, "shut_volts": shut_volts}
     settings |= {"actuator": body} | asked
     schedule = play_word(source, **settings) if word else play_policy(policy_of(source, weight), **settings)

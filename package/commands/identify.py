@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, TYPE_CHECKING
 
 from ..common.extras import optional_import
-from .options import actuator_of, groups_of, json_object, SceneOption
+from .options import actuator_of, groups_of, json_object, number_or_text, SceneOption
 from .printing import print_table, say, write_json
 
 with optional_import():
@@ -50,7 +50,10 @@ def identify(
     ] = None,
     scene: SceneOption = "{}",
     hold: Annotated[
-        float | None, typer.Option(help="Length of a hold, in s or natural time; found from the valve's turns.")
+        str | None,
+        typer.Option(
+            help="Length of a hold, in the log's unit of time or such as '20 ms'; found from the valve's turns."
+        ),
     ] = None,
     level: Annotated[float, typer.Option(help="Of the intervals, 0 to 1.")] = 0.95,
     design: Annotated[
@@ -64,6 +67,7 @@ def identify(
     """Find a body from logs of how it moved: groups or SI parameters with intervals, and what the logs cannot tell."""
     from ..common.figures import save_figure
     from ..common.validation import number_within, whole_number
+    from ..crawler import Actuator
     from ..studies.identification import identify as find
     from ..studies.identification.log import read_log
 
@@ -74,12 +78,12 @@ def identify(
         whole_number("--design", design, 1, 1000)
     body = actuator_of(actuator) if actuator is not None else None if guess is None else groups_of(guess, "--guess")
     names = None if free is None else [name.strip() for name in free.split(",")]
-    if names is None and actuator is not None:
+    if names is None and isinstance(body, Actuator):
         names = list(_OF_AN_ACTUATOR)
     ground = json_object("--scene", scene)
-    read = [read_log(log, hold) for log in logs]
+    read = [read_log(log, None if hold is None else number_or_text(hold), body) for log in logs]
     for log, each in zip(logs, read, strict=True):
-        _check_units(log, each, actuator is not None)
+        _check_units(log, each, isinstance(body, Actuator))
     found = find([each.run for each in read], free=names, guess=body, scene=ground)
     _print(found, read, level)
     told = found.to_dict(level) | {"logs": [str(log) for log in logs], "holds": [each.run.hold for each in read]}

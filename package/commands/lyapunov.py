@@ -5,7 +5,7 @@ from typing import Annotated, TYPE_CHECKING
 
 from ..common.extras import optional_import
 from ..common.validation import whole_number
-from .options import groups_of, GroupsOption, InputsOption, json_object, SceneOption
+from .options import groups_of, GroupsOption, hold_of, HoldOption, InputsOption, json_object, SceneOption
 from .printing import print_table, progress, say
 
 with optional_import():
@@ -23,7 +23,7 @@ _SHOWN = 12
 def lyapunov(
     groups: GroupsOption = None,
     scene: SceneOption = "{}",
-    hold: Annotated[float, typer.Option(help="Length of a hold, natural time.")] = 0.5,
+    hold: HoldOption = "0.5",
     inputs: InputsOption = "bits",
     holds: Annotated[int, typer.Option(help="Of each run, from rest.")] = 4200,
     washout: Annotated[int, typer.Option(help="Holds at its start that are not measured.")] = 200,
@@ -38,6 +38,7 @@ def lyapunov(
     """Lyapunov exponents of a driven crawler, through its slips and stops; over one of its numbers with a diagram."""
     body = None if groups is None else groups_of(groups)
     ground = json_object("--scene", scene)
+    length = hold_of(hold, body)
     heading = ["", "exponents", "", "foot", "stops", "verdict"]
     if over is None:
         import numpy as np
@@ -48,7 +49,7 @@ def lyapunov(
         seeds = whole_number("--seeds", seeds, 1)
         ensemble = Inputs.of(inputs)
         valve = np.array([ensemble.drawn(holds, seed).valve for seed in range(seeds)])
-        found = lyapunov_spectrum(Groups.of(body), valve, hold, scene=ground, tolerance=tolerance, washout=washout)
+        found = lyapunov_spectrum(Groups.of(body), valve, length, scene=ground, tolerance=tolerance, washout=washout)
         print_table(
             f"{found.time:g} natural times; the pressure forgets at {found.lag_exponent:.4g}",
             [heading, _row("body", found)],
@@ -68,7 +69,7 @@ def lyapunov(
             over,
             groups=body,
             scene=ground,
-            hold=hold,
+            hold=length,
             inputs=inputs,
             holds=holds,
             washout=washout,

@@ -6,7 +6,7 @@ from typing import Annotated, TYPE_CHECKING
 from ..common.extras import optional_import
 from ..common.sharing import processors
 from ..common.validation import known_names, whole_number
-from .options import groups_of, GroupsOption, InputsOption, json_object, SceneOption
+from .options import groups_of, GroupsOption, hold_of, HoldOption, InputsOption, json_object, SceneOption
 from .printing import print_table, progress, say
 
 with optional_import():
@@ -34,7 +34,7 @@ def map_numbers(
     measure: Annotated[str, typer.Option(help="Names with commas between; `stickslip list` tells them.")] = "memory",
     groups: GroupsOption = None,
     scene: SceneOption = "{}",
-    hold: Annotated[float, typer.Option(help="Length of a hold, natural time.")] = 0.5,
+    hold: HoldOption = "0.5",
     inputs: InputsOption = "bits",
     nodes: Annotated[int, typer.Option(help="Readings a hold; 1 for the raw states.")] = 4,
     holds: Annotated[int, typer.Option(help="Of each run, from rest.")] = 4000,
@@ -54,15 +54,16 @@ def map_numbers(
 
     measures = measure.split(",")
     known_names("--measure", measures, MEASURES)
+    body = None if groups is None else groups_of(groups)
     workers = processors() if processes is None else whole_number("--processes", processes, 1)
     with progress("cells") as show:
         found = parameter_map(
             x,
             y,
             measures=measures,
-            groups=None if groups is None else groups_of(groups),
+            groups=body,
             scene=json_object("--scene", scene),
-            hold=hold,
+            hold=hold_of(hold, body),
             inputs=inputs,
             virtual_nodes=nodes,
             holds=holds,

@@ -12,24 +12,34 @@ with optional_import():
     import typer
 
 if TYPE_CHECKING:
-    from ..crawler import Actuator
+    from ..crawler import Actuator, GroupsLike
     from ..train.policies import Policy
 
 __all__ = [
     "GroupsOption",
+    "HoldOption",
     "InputsOption",
     "SceneOption",
     "TrustOption",
     "WeightOption",
     "actuator_of",
     "groups_of",
+    "hold_of",
     "json_object",
+    "number_or_text",
     "policy_of",
     "said_in",
 ]
 
 GroupsOption: TypeAlias = Annotated[
-    str | None, typer.Option(help="A preset's name, or JSON such as '{\"duffing\": 2}'.")
+    str | None,
+    typer.Option(
+        help="A preset's name, or JSON such as '{\"duffing\": 2}'; or a body in SI units: JSON of an Actuator, or "
+        "'ecoflex'."
+    ),
+]
+HoldOption: TypeAlias = Annotated[
+    str, typer.Option(help="Length of a hold: 0.5 of natural time, or '20 ms' where --groups is a body in SI units.")
 ]
 SceneOption: TypeAlias = Annotated[str, typer.Option(help="JSON such as '{\"ratchet\": false}'.")]
 
@@ -62,17 +72,48 @@ def actuator_of(text: str) -> "Actuator":
 
     if text == "ecoflex":
         return Actuator.ecoflex()
-    given = json_object("--actuator", text)
-    known = fields(Actuator)
-    known_names("--actuator", given, [each.name for each in known])
-    if missing := [each.name for each in known if each.default is MISSING and each.name not in given]:
-        raise ValueError(f"--actuator must set {missing} too, got {sorted(given)}")
-    return Actuator(**given)
+    return _actuator_with("--actuator", json_object("--actuator", text))
 
 
-def groups_of(text: str, option: str = "--groups") -> str | dict[str, Any]:
-    """A preset's name, or a mapping of fields from JSON."""
-    return json_object(option, text) if text.lstrip().startswith("{") else text
+def groups_of(text: str, option: str = "--groups") -> "str | dict[str, Any] | Actuator":
+    """A preset's name, a mapping of fields from JSON, or an `Actuator`.
+
+    Raises
+    ------
+    ValueError
+        As `actuator_of`, of what has a field that no groups have.
+    """
+    from ..crawler import Actuator
+    from ..crawler.model.groups import RANGES
+
+    if text == "ecoflex":
+        return Actuator.ecoflex()
+    if not text.lstrip().startswith("{"):
+        return text
+    given = json_object(option, text)
+    in_si = {each.name for each in fields(Actuator)} - set(RANGES)
+    return _actuator_with(option, given) if in_si & set(given) else given
+
+
+def hold_of(text: str, groups: "GroupsLike | None") -> float:
+    """Natural time of a hold, which is a number or has a unit.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If it is neither, out of range, or in seconds of a body that is not in SI units.
+    """
+    from ..crawler.model.holds import natural_hold
+
+    return natural_hold(number_or_text(text), groups)
+
+
+def number_or_text(text: str) -> float | str:
+    """A number where there is one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def json_object(option: str, text: str) -> dict[str, Any]:
@@ -114,6 +155,16 @@ def said_in(context: typer.Context) -> set[str]:
     """Names of the options that stand on the command line."""
     sources = {name: context.get_parameter_source(name) for name in context.params}
     return {name for name, source in sources.items() if source is not None and source.name == "COMMANDLINE"}
+
+
+def _actuator_with(option: str, given: dict[str, Any]) -> "Actuator":
+    from ..crawler import Actuator
+
+    known = fields(Actuator)
+    known_names(option, given, [each.name for each in known])
+    if missing := [each.name for each in known if each.default is MISSING and each.name not in given]:
+        raise ValueError(f"{option} must set {missing} too, got {sorted(given)}")
+    return Actuator(**given)
 
 
 def _distinct(option: str, pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from ..common.extras import optional_import
 from ..common.validation import number_within, whole_number
-from .options import actuator_of, policy_of, WeightOption
+from .options import actuator_of, number_or_text, policy_of, WeightOption
 from .printing import say, write_json
 
 with optional_import():
@@ -74,7 +74,7 @@ def run_policy(
         read,
         write,
         actuator=body,
-        hold=_number_or_text(hold),
+        hold=None if hold is None else number_or_text(hold),
         readings=readings,
         dither=dither,
         seed=seed,
@@ -102,13 +102,6 @@ def _functions(file: Path) -> tuple[Any, Any]:
     if missing := [name for name in ("read", "write") if not callable(found.get(name))]:
         raise ValueError(f"--plant must define read() and write(valve), {file} lacks {' and '.join(missing)}")
     return found["read"], found["write"]
-
-
-def _number_or_text(hold: str | None) -> float | str | None:
-    try:
-        return None if hold is None else float(hold)
-    except ValueError:
-        return hold
 
 
 def _say_how_far(names: tuple[str, ...], rows: Any) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated, TYPE_CHECKING
 
 from ..common.extras import optional_import
 from ..common.validation import number_within, whole_number
-from .options import groups_of, GroupsOption, json_object, SceneOption
+from .options import groups_of, GroupsOption, hold_of, HoldOption, json_object, SceneOption
 from .printing import print_whole, progress, say, write_json
 
 with optional_import():
@@ -23,7 +23,7 @@ def speed(
     output: Annotated[Path, typer.Option(help="Folder of the table and the figure.")] = Path("runs/speed"),
     groups: GroupsOption = None,
     scene: SceneOption = "{}",
-    hold: Annotated[float, typer.Option(help="Time that the valve keeps each state, natural time.")] = 0.5,
+    hold: HoldOption = "0.5",
     holds: Annotated[int, typer.Option(help="Random valve states in the run.")] = 400,
     error: Annotated[float, typer.Option(help="Largest error wanted, natural units.")] = 1e-6,
     rounds: Annotated[int, typer.Option(help="How often everything is timed.")] = 31,
@@ -36,10 +36,11 @@ def speed(
 
     number_within("--error", error, "(0, inf)")
     whole_number("--rounds", rounds, 1)
+    body = None if groups is None else groups_of(groups)
     case = Case(
-        groups=Groups.of(None if groups is None else groups_of(groups)),
+        groups=Groups.of(body),
         scene=Scene.of(json_object("--scene", scene)),
-        hold=hold,
+        hold=hold_of(hold, body),
         holds=whole_number("--holds", holds, 1),
         seed=whole_number("--seed", seed, 0),
     )

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from ..common.extras import optional_import
 from ..common.sharing import processors
 from ..common.validation import whole_number
-from .options import groups_of, GroupsOption, json_object
+from .options import groups_of, GroupsOption, hold_of, HoldOption, json_object
 from .printing import print_table, progress, say
 
 with optional_import():
@@ -28,7 +28,7 @@ def trade(
     floors: Annotated[
         str | None, typer.Option(help="On speed, such as '0.2,0.3': policies for memory above each; '' for none.")
     ] = None,
-    hold: Annotated[float, typer.Option(help="Length of a step, natural time.")] = 0.5,
+    hold: HoldOption = "0.5",
     groups: GroupsOption = None,
     env_kwargs: Annotated[str, typer.Option(help="Further arguments of the environment, as JSON.")] = "{}",
     algorithm: Annotated[str, typer.Option(help="Whose policies have no memory of their own, such as ppo.")] = "ppo",
@@ -52,9 +52,10 @@ def trade(
     from ..train.hyperparameters import read_hyperparameters
     from ..train.run import Configuration
 
-    arguments: dict[str, Any] = {"hold": hold}
-    if groups is not None:
-        arguments["groups"] = groups_of(groups)
+    body = None if groups is None else groups_of(groups)
+    arguments: dict[str, Any] = {"hold": hold_of(hold, body)}
+    if body is not None:
+        arguments["groups"] = body
     further = json_object("--env-kwargs", env_kwargs)
     for name in ("hold", "groups"):
         if name in further:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from ..common.extras import optional_import
 from ..common.validation import known_names, whole_number
 from ..train.algorithms import ALGORITHMS
-from .options import groups_of, GroupsOption, json_object, said_in, TrustOption
+from .options import groups_of, GroupsOption, hold_of, HoldOption, json_object, said_in, TrustOption
 from .printing import progress
 
 with optional_import():
@@ -26,7 +26,7 @@ def train(
     output: Annotated[Path, typer.Option(help="Folder of the run.")],
     memory_weight: Annotated[float, typer.Option(help="Share of memory in the reward, 0 to 1.")] = 0.2,
     dither: Annotated[float, typer.Option(help="Probability that a command is flipped, 0 to 0.5.")] = 0.1,
-    hold: Annotated[float, typer.Option(help="Length of a step, natural time.")] = 0.5,
+    hold: HoldOption = "0.5",
     groups: GroupsOption = None,
     env_kwargs: Annotated[str, typer.Option(help="Further arguments of the environment, as JSON.")] = "{}",
     steps: Annotated[
@@ -56,9 +56,10 @@ def train(
     from ..train.verdict import read_report
 
     said = said_in(context)
-    arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold}
-    if groups is not None:
-        arguments["groups"] = groups_of(groups)
+    body = None if groups is None else groups_of(groups)
+    arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold_of(hold, body)}
+    if body is not None:
+        arguments["groups"] = body
     further = json_object("--env-kwargs", env_kwargs)
     for name in (*arguments, "groups", "render_mode"):
         if name in further:

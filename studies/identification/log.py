@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.validation import number_within
+from ...crawler import GroupsLike
 from ...crawler.model.channels import CHANNEL_UNITS, TIME_UNITS
+from ...crawler.model.holds import measured_hold, natural_hold
 from .measurements import CHANNELS, Measurements
 
 __all__ = ["UNITS", "Log", "read_log"]
@@ -57,7 +58,7 @@ class Log:
     hold_bounds: tuple[float, float] | None
 
 
-def read_log(file: Path, hold: float | None = None) -> Log:
+def read_log(file: Path, hold: float | str | None = None, groups: GroupsLike | None = None) -> Log:
     """Read one run, which began at rest at time 0, from a file of columns.
 
     Parameters
@@ -67,10 +68,13 @@ def read_log(file: Path, hold: float | None = None) -> Log:
         column ``time``, ascending, one ``valve`` of 0 and 1, and one at least of `CHANNELS`: all in natural units,
         or each with a unit of `UNITS`, such as ``time_s`` and ``foot_mm``. An empty cell, or nan, is a gap. Positions
         count from where the body rested.
-    hold : float, optional
-        Length of a hold, in the unit of time (s in SI). By default the longest of which the valve turns at multiples.
+    hold : float or str, optional
+        Length of a hold: a number is in the file's unit of time (s in SI), and a text has its own, as in `simulate`. By
+        default the longest of which the valve turns at multiples.
         The rows tell it within bounds. Of these the middle is taken, or what somebody may have set, where that is
         hardly there by chance: a whole number of equally spaced rows, a round time, a round rate.
+    groups : Groups, str, mapping or Actuator, optional
+        Of the crawler: an `Actuator` says how many seconds t_c has, where `hold` is in the other unit than the file.
 
     Returns
     -------
@@ -84,9 +88,8 @@ def read_log(file: Path, hold: float | None = None) -> Log:
     OSError
         If there is no such file.
     """
-    if hold is not None:
-        hold = number_within("hold", hold, "(0, inf)")
     table = _Table(file)
+    given = None if hold is None else measured_hold(hold, groups) if table.si else natural_hold(hold, groups)
     times = table.column("time")
     if gaps := np.flatnonzero(np.isnan(times)).tolist():
         raise ValueError(f"{table.place(gaps[0])}: {table.names['time']} must be a number, got an empty cell")
@@ -98,7 +101,7 @@ def read_log(file: Path, hold: float | None = None) -> Log:
     for i in np.flatnonzero(~np.isnan(valve) & (valve != 0.0) & (valve != 1.0)).tolist():
         raise ValueError(f"{table.place(i)}: valve must be 0 or 1, got {table.cell('valve', i)}")
     times = _evened(times, table.last_digit("time"))
-    length, bounds = _found_hold(times, valve, file) if hold is None else (hold, None)
+    length, bounds = _found_hold(times, valve, file) if given is None else (given, None)
     channels = {name: table.column(name) for name in CHANNELS if name in table.names}
     schedule = _schedule(times, valve, length, table)
     return Log(_run(times, schedule, length, channels), table.si, table.ignored, bounds)
