@@ -34,11 +34,13 @@ class RecordVideo(_RecordVideo[Any, Any]):
 
     def _capture_frame(self) -> None:
         if self.env.render_mode == "rgb_array_list":
-            pictures: Any = self.env.render()
-            self.render_history += pictures
-        else:
-            pictures = self.env.get_wrapper_attr("frames")()
-        self.recorded_frames += pictures
+            since: Any = self.env.render()
+            self.render_history += since
+            if self.recorded_frames:
+                self.recorded_frames += since
+                return
+        # What came before the recording does not belong to it.
+        self.recorded_frames += self.env.get_wrapper_attr("frames")()
 
     def stop_recording(self) -> None:
         """Stop the recording and write its film."""
@@ -53,7 +55,7 @@ class RecordVectorVideo(_RecordVectorVideo[Any, Any]):
     Parameters
     ----------
     env : gymnasium.vector.VectorEnv
-        A `StickSlipCrawlerVectorEnv` of `render_mode` "rgb_array".
+        A `StickSlipCrawlerVectorEnv` of `render_mode` "rgb_array" or "rgb_array_list".
     *arguments, **named
         As of `gymnasium.wrappers.vector.RecordVideo`.
     """

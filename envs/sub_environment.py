@@ -47,7 +47,7 @@ class SubEnvironment(gym.Env[NDArray[np.float32], np.int64]):
         """Refused."""
         raise RuntimeError(f"sub-environment {self._index} cannot be stepped alone; step them all")
 
-    def render(self) -> NDArray[np.uint8] | None:
+    def render(self) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:  # type: ignore[override]
         """Draw this one; None where it is not among the `rendered`, or a window shows all."""
         return self._batch.render_one(self._index)
 

@@ -20,7 +20,7 @@ from .batch_engine import BatchEngine
 from .infos import begun, COUNTS, NUMBERS, TOLD
 from .observation import observation_space
 from .rendering.film import Film, film_of, fps_of
-from .rendering.renderer import known_mode
+from .rendering.renderer import known_mode, RenderMode
 from .rendering.tiling import Tiles
 from .settings import CRAWLER_OPTIONS, CrawlerChoice, known_options, refuse_unread, Settings
 from .single import StickSlipCrawlerEnv
@@ -73,7 +73,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         Whether every call returns arrays of its own. Otherwise the next call overwrites them.
     threads : int, optional
         Most threads that share a step; as many as there are processors to run on by default.
-    render_mode : {"human", "rgb_array"}, optional
+    render_mode : {"human", "rgb_array", "rgb_array_list"}, optional
     slow_motion : float, in [0.01, 1000]
         As in `StickSlipCrawlerEnv`.
     rendered : sequence of int, optional
@@ -90,10 +90,10 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         If an argument is out of range or of the wrong type; the message names it.
     """
 
-    metadata: dict[str, Any] = {**StickSlipCrawlerEnv.metadata, "render_modes": ["human", "rgb_array"]}  # noqa: RUF012
+    metadata: dict[str, Any] = {**StickSlipCrawlerEnv.metadata}  # noqa: RUF012
     _sub_environment = SubEnvironment
 
-    render_mode: Literal["human", "rgb_array"] | None
+    render_mode: RenderMode | None
 
     def __init__(
         self,
@@ -115,7 +115,7 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         copy: bool = True,
         threads: int | None = None,
-        render_mode: Literal["human", "rgb_array"] | None = None,
+        render_mode: RenderMode | None = None,
         rendered: Sequence[int] | None = None,
         slow_motion: float = 1.0,
     ) -> None:
@@ -265,14 +265,17 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         observations, rewards, terminations, truncations = (self._own(array) for array in arrays)
         return observations, rewards, terminations, truncations, infos
 
-    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """Draw the `rendered` crawlers as they are now.
+    def render(  # type: ignore[override]
+        self,
+    ) -> tuple[NDArray[np.uint8], ...] | tuple[list[NDArray[np.uint8]], ...] | None:
+        """Draw the `rendered` crawlers as they are now, or as they were since the last call.
 
         Returns
         -------
-        tuple of (height, width, 3) arrays of uint8, or None
-            A picture of each; `stickslip.envs.tile` makes one of them. None for `render_mode="human"`, which shows that
-            one in a window.
+        tuple of (height, width, 3) arrays of uint8, tuple of lists of these, or None
+            For `render_mode="rgb_array"` a picture of each; `stickslip.envs.tile` makes one of them. For
+            "rgb_array_list" all pictures of each within the holds since the last call, or since its episode began if
+            that was later. None for "human", which has shown them in a window.
 
         Raises
         ------
@@ -291,6 +294,8 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         films, tiles = self._drawing()
         if self.render_mode == "rgb_array":
             return tiles.draw(films)
+        if self.render_mode == "rgb_array_list":
+            return tiles.unseen(films)
         tiles.show(films)
         return None
 
@@ -463,8 +468,11 @@ class StickSlipCrawlerVectorEnv(Specified, VectorEnv[NDArray[np.float32], NDArra
         """What a reset of one sub-environment has told, or will have if it goes on from a state."""
         return begun(*self.crawler_of(index))
 
-    def render_one(self, index: int) -> NDArray[np.uint8] | None:
-        """Picture of one sub-environment; None where it is not among the `rendered`, or a window shows all."""
+    def render_one(self, index: int) -> NDArray[np.uint8] | list[NDArray[np.uint8]] | None:
+        """What `render` has of one sub-environment; None where it is not `rendered`, or a window shows all."""
+        if self.render_mode == "rgb_array_list" and index in self._films:
+            films, tiles = self._drawing()
+            return tiles.unseen([films[self._rendered.index(index)]])[0]  # those of the others wait
         pictures = self.render()
         return None if pictures is None or index not in self._rendered else pictures[self._rendered.index(index)]
 

@@ -136,7 +136,7 @@ class StickSlipVecEnv(VecEnv):
             return [None] * self.num_envs
         pictures = self.env.render()
         assert pictures is not None
-        return pictures
+        return cast("tuple[NDArray[np.uint8], ...]", pictures)
 
     def render(self, mode: str | None = None) -> NDArray[np.uint8] | None:
         """Draw the `rendered` sub-environments, as one picture or in one window."""

@@ -51,6 +51,10 @@ class Tiles:
         """Draw the newest frame of each crawler; (HEIGHT, WIDTH, 3) arrays of uint8."""
         return tuple(self._renderer.draw(film.last()[-1], film.world) for film in films)
 
+    def unseen(self, films: Sequence[Film]) -> tuple[list[Picture], ...]:
+        """Draw the frames of each crawler since this was asked for."""
+        return tuple([self._renderer.draw(frame, film.world) for frame in film.unseen()] for film in films)
+
     def together(self, films: Sequence[Film], frames: Sequence[Sequence[Frame]]) -> Iterator[tuple[Picture, ...]]:
         """Draw frames of each crawler side by side in time; who has fewer of them stands still at the last."""
         for k in range(max(map(len, frames))):

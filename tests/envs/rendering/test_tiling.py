@@ -4,6 +4,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from gymnasium.wrappers.vector import RecordVideo
 from pictures import GREY, MIST, places_of, width_of
 
@@ -36,6 +37,30 @@ def test_the_pictures_are_those_of_single_environments():
         batch.step(actions)
         for single in singles.values():
             single.reset() if k == 5 else single.step(k % 2)
+
+
+@pytest.mark.parametrize("autoreset", ["NextStep", "SameStep"])
+def test_lists_are_those_that_gymnasium_makes_of_single_environments(autoreset):
+    asked = {"render_mode": "rgb_array_list", "max_episode_steps": 2, "slow_motion": 0.3}
+    batch = gym.make_vec(NAME, 2, autoreset_mode=autoreset, **asked)
+    peers = SyncVectorEnv([lambda: gym.make(NAME, **asked)] * 2, autoreset_mode=AutoresetMode(autoreset))
+    batch.reset(seed=0), peers.reset(seed=0)
+    counts = []
+    for k in range(6):
+        if k != 1:  # they are kept until they are asked for
+            drawn, expected = batch.render(), peers.render()
+            counts.append(len(drawn[0]))
+            assert isinstance(drawn, tuple)
+            assert [len(each) for each in drawn] == [len(each) for each in expected]
+            np.testing.assert_array_equal(drawn, expected)
+        actions = np.array([k % 2, 1])
+        batch.step(actions), peers.step(actions)
+    assert counts == {"NextStep": [1, 6, 1, 3, 3], "SameStep": [1, 1, 3, 1, 3]}[autoreset]
+    assert len(batch.render()[0]) == len(peers.render()[0]) > 0
+    assert batch.render() == ([], [])
+    batch.step(actions), peers.step(actions)
+    assert [len(each) for each in batch.call("render")] == [len(each) for each in peers.call("render")] == [3, 3]
+    batch.close(), peers.close()
 
 
 def test_all_are_drawn_by_default():

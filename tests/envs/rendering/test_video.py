@@ -38,6 +38,18 @@ def test_a_video_holds_every_picture_within_the_holds(mode, tmp_path):
         assert nearest(film[k], truth[k - 1 : k + 2]) == 1
 
 
+@pytest.mark.parametrize("mode", ["rgb_array", "rgb_array_list"])
+def test_a_video_begins_where_it_is_begun(mode, tmp_path):
+    env = RecordVideo(gym.make(NAME, render_mode=mode), str(tmp_path), step_trigger=lambda step: step == 2)
+    env.reset(seed=0)
+    for _ in range(5):
+        env.step(1)
+    assert len(env.recorded_frames) == 3 * 8
+    if mode == "rgb_array_list":
+        assert len(env.render()) == 1 + 5 * 8
+    env.close()
+
+
 def test_gymnasiums_own_keeps_the_pace_with_one_picture_a_step(tmp_path):
     env = gym.wrappers.RecordVideo(gym.make(NAME, render_mode="rgb_array"), str(tmp_path))
     env.reset(seed=0)
@@ -65,8 +77,9 @@ env.close()
     assert (len(film), fps, film[0].shape) == (9, 15, (HEIGHT, WIDTH, 3))
 
 
-def test_a_batch_is_filmed_within_its_holds(tmp_path):
-    batch = RecordVectorVideo(gym.make_vec(NAME, 2, render_mode="rgb_array"), str(tmp_path), video_length=16)
+@pytest.mark.parametrize("mode", ["rgb_array", "rgb_array_list"])
+def test_a_batch_is_filmed_within_its_holds(mode, tmp_path):
+    batch = RecordVectorVideo(gym.make_vec(NAME, 2, render_mode=mode), str(tmp_path), video_length=16)
     batch.reset(seed=0)
     for _ in range(2):
         batch.step(np.ones(2, int))
@@ -74,9 +87,7 @@ def test_a_batch_is_filmed_within_its_holds(tmp_path):
     (path,) = tmp_path.glob("*.mp4")
     film, fps = film_in(path)
     assert (len(film), fps, film[0].shape) == (17, 30, (HEIGHT, 2 * WIDTH, 3))
-    first = RecordVectorVideo(
-        gym.make_vec(NAME, 2, render_mode="rgb_array"), str(tmp_path / "first"), record_first_only=True
-    )
+    first = RecordVectorVideo(gym.make_vec(NAME, 2, render_mode=mode), str(tmp_path / "first"), record_first_only=True)
     first.reset(seed=0), first.step(np.ones(2, int))
     assert [each.shape for each in first.recorded_frames] == [(HEIGHT, WIDTH, 3)] * 9
     first.close()
