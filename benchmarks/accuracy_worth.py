@@ -23,7 +23,7 @@ from worth.figure import draw
 from worth.page import tables
 from worth.settings import ALL
 
-from stickslip.common.files import atomically
+from stickslip.common.figures import save_figure
 
 BENCHMARKS = Path(__file__).parent
 RESULTS = BENCHMARKS / "results" / "accuracy_worth.json"
@@ -92,9 +92,7 @@ def report(results: dict[str, Any]) -> None:
         print(f"\n{name}\n\n{table}")
     refresh(PAGE, made)
     figure = draw(results)
-    atomically(FIGURE.with_suffix(".png"), figure.savefig)
-    # Without the date the same results make the same file.
-    atomically(FIGURE.with_suffix(".svg"), lambda path: figure.savefig(path, metadata={"Date": None}))
+    save_figure(figure, *(FIGURE.with_suffix(suffix) for suffix in (".png", ".svg")))
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from stickslip.common.extras import optional_import
-from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, save_figure
+from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, PAGE_WIDTH, save_figure
 from stickslip.reservoir import Estimate, information_processing_capacity, mean_over_runs, nrmse, predict_held_out
 from stickslip.studies.benchmark.probe import probes
 from stickslip.studies.search import body_space, echo_state_space, held_out_scores, search
@@ -349,17 +349,19 @@ def tables(tasks: dict[str, dict[str, Any]]) -> dict[str, str]:
 def draw(tasks: dict[str, dict[str, Any]]) -> None:
     """Scores against features, a panel a task."""
     with house_style():
-        figure, panels = plt.subplots(1, len(tasks), figsize=(2.6 * len(tasks), 2.7), layout="constrained")
-        for panel, (task, each) in zip(panels, tasks.items(), strict=True):
+        figure, panels = plt.subplots(-(-len(tasks) // 2), 2, figsize=(PAGE_WIDTH, 4.8), layout="constrained")
+        for panel, (task, each) in zip(panels.flat, tasks.items(), strict=True):
             for (name, points), color, marker in zip(each["curves"].items(), OKABE_ITO, MARKERS, strict=False):
                 panel.plot(points["features"], points["mean"], marker=marker, ms=3.5, color=color, label=name)
             title, score = task.rsplit(" ", 1)
-            panel.set(title=title, xlabel="features", ylabel=score)
+            panel.set(xlabel="features", ylabel=score)
+            panel.set_title(title)
             if score == "NRMSE":
                 panel.set(ylim=(0, 1.05))
             else:
                 panel.set(ylim=(0, None))
-        panels[0].legend()
+        handles, labels = panels.flat[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     save_figure(figure, *(FIGURE.with_suffix(suffix) for suffix in (".png", ".svg")))
 
 

@@ -22,8 +22,7 @@ import numpy as np
 from measuring import keep, machine, refresh
 
 from stickslip.common.extras import optional_import
-from stickslip.common.figures import house_style, OKABE_ITO, PAGE_WIDTH
-from stickslip.common.files import atomically
+from stickslip.common.figures import house_style, OKABE_ITO, PAGE_WIDTH, save_figure
 from stickslip.train import StickSlipVecEnv
 from stickslip.train.evaluations import read_evaluations
 from stickslip.train.hyperparameters import read_hyperparameters
@@ -162,8 +161,7 @@ def main() -> None:
     print(made)
     refresh(PAGE, {"learning": made})
     figure = draw(found)
-    atomically(FIGURE.with_suffix(".png"), figure.savefig)
-    atomically(FIGURE.with_suffix(".svg"), lambda path: figure.savefig(path, metadata={"Date": None}))
+    save_figure(figure, *(FIGURE.with_suffix(suffix) for suffix in (".png", ".svg")))
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from importlib import resources
 from pathlib import Path
 
@@ -45,8 +46,12 @@ def house_style() -> Iterator[None]:
 
 
 def save_figure(figure: Figure, *files: Path) -> None:
-    """Write a figure to files, each whole or not at all and in the form that its suffix names, and close it."""
+    """Write a figure to files, each whole or not at all and in the form that its suffix names, and close it.
+
+    The same figure makes the same file: an SVG has no date.
+    """
     with house_style():
         for file in files:
-            atomically(file, figure.savefig)
+            metadata = {"Date": None} if file.suffix == ".svg" else None
+            atomically(file, partial(figure.savefig, metadata=metadata))
     plt.close(figure)
