@@ -10,7 +10,7 @@ import argparse
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from measuring import keep, machine, refresh
 from stickslip.common.sharing import processors
 from stickslip.studies.claims.claim import Claim, CLAIMS, FIGURES
 from stickslip.studies.claims.page import sections
-from stickslip.studies.claims.reproduce import reproduce
+from stickslip.studies.claims.reproduce import reproduce, STUDIES, Study
 
 RESULTS = Path(__file__).parent / "results" / "claims.json"
 PAGE = Path(__file__).parents[1] / "docs" / "claims.md"
@@ -40,6 +40,10 @@ def tables(results: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
+def _asked(study: Study, figures: Sequence[str]) -> bool:
+    return not figures or not set(figures).isdisjoint(study.figures)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("figures", nargs="*", help="those to renew; all by default")
@@ -47,13 +51,15 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, default=Path("runs/claims"))
     parser.add_argument("--processes", type=int, default=processors())
     arguments = parser.parse_args()
-    renewed = reproduce(
+    found = reproduce(
         arguments.folder,
         arguments.figures,
         quick=arguments.quick,
         processes=arguments.processes,
         show=partial(print, flush=True),
     )
+    drawn = {figure for study in STUDIES.values() if _asked(study, arguments.figures) for figure in study.figures}
+    renewed = [claim for claim in found if drawn & set(FIGURES[claim.name])]
     before = json.loads(RESULTS.read_text(encoding="utf-8")) if arguments.figures else {"quick": arguments.quick}
     if before["quick"] != arguments.quick:
         raise ValueError(f"figures can be renewed by a run of the same size only, got quick = {arguments.quick}")

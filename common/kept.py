@@ -31,7 +31,7 @@ class Kept:
     Raises
     ------
     ValueError
-        If the folder holds results and is not to be resumed, or they were made with other settings.
+        If the folder holds results and is not to be resumed, they were made with other settings, or a file is no JSON.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class Kept:
         if kept.exists() and (resume or self._files()):
             if not resume:
                 raise ValueError(f"{folder.parent} holds a run already: resume it, or choose another folder")
-            found = json.loads(kept.read_text(encoding="utf-8"))
+            found = _read(kept)
             refuse_other(f"to go on with the run in {folder.parent}", found, wanted, growing=growing)
             wanted |= {name: {**found[name], **wanted[name]} for name in growing if name in wanted}
             if wanted == found:
@@ -65,7 +65,7 @@ class Kept:
 
     def load(self) -> dict[str, Any]:
         """All results in the folder, by name."""
-        return {file.stem: json.loads(file.read_text(encoding="utf-8")) for file in self._files()}
+        return {file.stem: _read(file) for file in self._files()}
 
     def _files(self) -> list[Path]:
         # One that starts with a dot was being written when its process was killed.
@@ -74,3 +74,11 @@ class Kept:
     def _write(self, name: str, content: Any) -> None:
         text = json.dumps(content) + "\n"
         write_text(self._folder / f"{name}.json", text)
+
+
+def _read(file: Path) -> Any:
+    """What a file holds: whole, since they are written so, unless something else has written it."""
+    try:
+        return json.loads(file.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ValueError(f"{file} is no JSON: delete it, or choose another folder") from error

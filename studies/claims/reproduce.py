@@ -137,7 +137,10 @@ def reproduce(
 
 def _write(folder: Path, kept: Kept, quick: bool) -> list[Claim]:
     """Write all that is decided so far, in the order of the paper."""
-    claims = {name: [Claim.from_json(claim) for claim in found] for name, found in kept.load().items()}
+    try:
+        claims = {name: [Claim.from_json(claim) for claim in found] for name, found in kept.load().items()}
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"{folder / _STUDIES} holds claims of another form: choose another folder") from error
     decided = sorted((claim for found in claims.values() for claim in found), key=lambda each: _ORDER.index(each.name))
     command = f"stickslip reproduce{' --quick' if quick else ''}"
     write_text(folder / "claims.json", json.dumps([claim.as_json() for claim in decided], indent=1) + "\n")

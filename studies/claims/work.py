@@ -67,7 +67,10 @@ def claim(work: Work) -> Claim:
         "C10",
         verdict(spreads),
         _sentence(spreads, ratios),
-        {f"spread (standard deviation over mean), {name}": Number(*each.relative) for name, each in spreads.items()}
+        {f"work a hold (P_max A_0 z_c), {name}": Number(*each.mean_work) for name, each in spreads.items()}
+        | {f"spread (standard deviation over mean), {name}": Number(*each.relative) for name, each in spreads.items()}
+        | {f"taken by the elastomer, {name}": Number(each.viscous) for name, each in spreads.items()}
+        | {f"taken by the ground, {name}": Number(each.friction) for name, each in spreads.items()}
         | {f"spread of {name} over that of {COMPARED[name]}": ratio for name, ratio in ratios.items()}
         | {"inputs under which each spread is measured": Number(spreads["as it is"].by_input.size)}
         | {f"share of starts in the variance, {name}": _share(each) for name, each in spreads.items()}
@@ -96,7 +99,7 @@ def claim(work: Work) -> Claim:
         },
         "stickslip reproduce work",
         {
-            "work a hold": Number(work.body.mean * BODY.scales.energy * 1e3, unit="mJ"),
+            "work a hold": Number(work.body.mean_work[0] * BODY.scales.energy * 1e3, unit="mJ"),
             "length of a hold": Number(HOLD * BODY.scales.time, unit="s"),
             "standard deviation over runs": Number(work.body.deviation * BODY.scales.energy * 1e3, unit="mJ"),
             "share of starts in the variance": _share(work.body),

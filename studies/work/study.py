@@ -140,9 +140,9 @@ class Spread:
     residual: float
 
     @property
-    def mean(self) -> float:
-        """Work a hold."""
-        return float(self.by_input.mean())
+    def mean_work(self) -> tuple[float, float, float]:
+        """Work a hold, and its 95% interval by bootstrap over inputs."""
+        return _with_interval(lambda works: works.mean(axis=-1), self.by_input)
 
     @property
     def deviation(self) -> float:

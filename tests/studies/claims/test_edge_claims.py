@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from legible import assert_legible
 
 from stickslip.studies.claims import edge
 from stickslip.studies.claims.asked import Asked
@@ -64,7 +65,9 @@ def test_memory_is_drawn_against_the_share_of_the_most_work():
         coords={"deborah": [0.1, 1.0, 8.0], "duffing": [0.0, 50.0]},
     )
     maps = {name_of(place, 0.5, 0.02, "raw"): found for place in ("anchored", "ground")}
-    left, right = plot_work(Edge(maps, {}, {}, {})).axes
+    figure = plot_work(Edge(maps, {}, {}, {}))
+    assert_legible(figure)
+    left, right = figure.axes
     np.testing.assert_array_equal(left.get_lines()[0].get_xdata(), [1.0, 0.25])
     assert right.get_legend().get_texts()[0].get_text() == r"$\Pi_4$ = 0.1"
 

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from legible import assert_legible
 
 from stickslip import Groups, simulate
 from stickslip.studies.claims import laws, sindy_figures
@@ -167,6 +168,7 @@ def test_a_law_that_was_found_foretells_unseen_holds():
 
 def test_the_figure_says_what_it_shows():
     figure = plot_laws(laws_of())
+    assert_legible(figure)
     left, right = figure.axes[:2]
     assert [line.get_label() for line in left.get_lines()][:4] == list(laws.CURVES)
     assert left.get_ylabel() == "NMSE of the acceleration, one step"
@@ -213,6 +215,8 @@ def test_an_offset_makes_the_quadratic_term_of_a_cube():
     ],
 )
 def test_the_figures_of_regression_are_drawn_of_their_numbers(draw, label):
-    (ax,) = draw(replace(laws_of(), by_way=dict.fromkeys(laws.WAYS, np.array([0.1, 0.2])))).axes
+    figure = draw(replace(laws_of(), by_way=dict.fromkeys(laws.WAYS, np.array([0.1, 0.2]))))
+    assert_legible(figure)
+    (ax,) = figure.axes
     assert ax.get_xlabel() == label
     assert ax.has_data()

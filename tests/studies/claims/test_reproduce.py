@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from legible import assert_legible
 from matplotlib import pyplot as plt
 
 from stickslip.commands import run
@@ -21,7 +22,9 @@ from stickslip.tasks import random_bits
 
 
 def test_the_crawler_advances_in_every_cycle():
-    told = crawl.claim(crawl.crawl())
+    motion = crawl.crawl()
+    assert_legible(crawl.plot_crawl(motion))
+    told = crawl.claim(motion)
     assert told.verdict == "reproduced"
     way = told.numbers["way of the foot in a cycle, least and greatest"]
     assert 1.2 < way.low <= way.value <= way.high < 1.3
@@ -65,6 +68,7 @@ def test_the_twins_verdict_follows_its_errors():
     assert good.numbers["z, nominal, a third at each end, tube of 0.1"].value == pytest.approx(1.025e-2)
     assert good.numbers["foot, nominal, chain of 4 against 16, tube of 0.2"].value == 1e-5
     figure = plot_twin(numbers_of(1e-3))
+    assert_legible(figure)
     assert [ax.get_title(loc="left") for ax in figure.axes] == [
         "One spring: z",
         "One spring: the foot",
@@ -176,6 +180,17 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path):
     with pytest.raises(ValueError, match="output must be a folder, got the file"):
         reproduce(tmp_path / "thesis.tex")
     assert [file.name for file in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+@pytest.mark.parametrize(
+    ("kept", "said"), [('[{"name"', "crawl.json is no JSON: delete it"), ('[{"name": "C1"}]', "claims of another form")]
+)
+def test_a_folder_whose_claims_cannot_be_read_is_refused(tmp_path, monkeypatch, kept, said):
+    monkeypatch.setattr(reproduction, "STUDIES", {})
+    reproduce(tmp_path)
+    (tmp_path / "studies" / "crawl.json").write_text(kept, encoding="utf-8")
+    with pytest.raises(ValueError, match=said):
+        reproduce(tmp_path)
 
 
 def test_a_claim_is_the_same_once_it_was_kept():

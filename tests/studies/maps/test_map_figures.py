@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from legible import assert_legible
 from matplotlib.colors import CenteredNorm
 
 from stickslip import Actuator
@@ -79,8 +80,10 @@ def test_no_figure_is_wider_than_a_page_and_long_labels_are_folded():
     found = made()
     found.memory.attrs["long_name"] = "capacity for products of 2 inputs in a row"
     for dims, shape in ((found, (6.5, 2.9)), (found.isel(deborah=1), (4.4, 3.8))):
-        assert plot_map(dims, ["lyapunov", "memory"]).get_size_inches() == pytest.approx(shape)
-    lyapunov, memory = plot_map(found.isel(deborah=1), ["lyapunov", "memory"]).axes
+        figure = plot_map(dims, ["lyapunov", "memory"])
+        assert figure.get_size_inches() == pytest.approx(shape)
+        assert_legible(figure)
+    lyapunov, memory = figure.axes
     assert memory.get_ylabel() == "capacity for products of 2\ninputs in a row"
     assert (lyapunov.get_xlabel(), memory.get_xlabel()) == ("", r"duffing $\Pi_1$")
     found.lyapunov.attrs["long_name"] = "largest Lyapunov exponent of it"

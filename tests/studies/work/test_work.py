@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from legible import assert_legible
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from stickslip import Groups
 from stickslip.crawler import State
 from stickslip.studies.claims import work as claims
+from stickslip.studies.claims.claim import Number
 from stickslip.studies.work.ensembles import boltzmann_starts, far_starts, random_valves, works_of
 from stickslip.studies.work.figure import plot_work
 from stickslip.studies.work.jarzynski import average, gaussian_average
@@ -172,7 +174,7 @@ def test_on_the_ground_inputs_spread_the_work_and_starts_do_not():
     assert 0.01 < low < ratio < high < 0.4
     works = works_of(Groups(), random_valves(9, 200), [State()], hold=0.5, washout=100).work[:, 0] / 100
     np.testing.assert_allclose(told.by_input, works, rtol=1e-5)
-    assert (told.mean, told.deviation) == pytest.approx((works.mean(), works.std(ddof=1)), rel=1e-4)
+    assert (told.mean_work[0], told.deviation) == pytest.approx((works.mean(), works.std(ddof=1)), rel=1e-4)
     assert told.viscous + told.friction == pytest.approx(1.0, abs=0.05)
     assert spread_of(CASES["anchored and chaotic"], SMALL).parts.share > 0.3
 
@@ -227,6 +229,9 @@ def test_the_claim_says_its_numbers():
     assert "The balance of energy closes." in told.remark
     free = told.numbers["free energy by the average, beta = 1, 100 runs"]
     assert free.low < free.value < free.high
+    work = told.numbers["work a hold (P_max A_0 z_c), anchored"]
+    assert (work.value, work.high - work.low) == pytest.approx((0.1, 4 * 0.1 * 0.01 / 3**0.5 / 10), rel=0.05)
+    assert told.numbers["taken by the ground, lag made fast"] == Number(0.6)
     bad = replace(study(), residual=1e-3)
     assert "The balance of energy does not close." in claims.claim(claims.Work(bad, spread())).remark
 
@@ -246,6 +251,7 @@ def test_what_is_said_of_the_lag_follows_its_interval(fast, said):
 
 def test_the_figure_shows_bodies_and_averages():
     figure = plot_work(study())
+    assert_legible(figure)
     left, middle, right = figure.axes
     assert [text.get_text() for text in left.get_yticklabels()] == list(CASES)
     assert len(middle.get_lines()) >= 6
