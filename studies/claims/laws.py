@@ -1,7 +1,7 @@
 """C6 to C9: what regression finds of the law, and what it finds if it knows of slips."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
 from typing import Any
@@ -16,9 +16,9 @@ from ..identification import Measurements, regress
 from .asked import Asked
 from .claim import Claim, interval, Number
 from .real_body import BODY, in_millimetres
-from .sindy import fit, foretold, nmse, Setting
+from .sindy import errors_of, fit, nmse, Setting
 
-__all__ = ["FRICTIONS", "PAPER_NMSE", "Laws", "claims", "measure", "rollout_error", "whole_run"]
+__all__ = ["FRICTIONS", "PAPER_NMSE", "Laws", "claims", "measure", "rollout_error"]
 
 PAPER_NMSE = 0.452
 FRICTIONS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
@@ -150,18 +150,9 @@ def measure(asked: Asked) -> Laws:
         },
         offsets=quadratic_terms(),
         traces={name: _trace(WAYS[name]) for name in TRACED},
-        sindy=dict(zip(("z", "foot"), found("cubic, whole runs", partial(whole_run, Setting())).T, strict=True)),
+        sindy=dict(zip(("z", "foot"), found("cubic, whole runs", _whole_run).T, strict=True)),
         body=dict(zip((*TRACED, "rollout", "rms"), found("the real body", _of_body).T, strict=True)),
     )
-
-
-def whole_run(way: Setting, seed: int, holds: int = 200) -> tuple[float, float]:
-    """NMSE of z and of the foot's way over unseen holds, by SINDy of z'' and of the foot's acceleration."""
-    groups, unseen = Groups(), random_bits(holds, [seed, 2])
-    fits = [fit(replace(way, target=target), groups, seed=seed) for target in ("deformation", "foot")]
-    (z,), (foot,) = foretold([fits[0]], [fits[1]], unseen[np.newaxis], groups.deborah)
-    true = simulate(groups, unseen, 1.0, samples_per_hold=round(1.0 / way.step))
-    return nmse(z, true.deformation), nmse(foot, true.foot)
 
 
 def rollout_error(groups: Groups, holds: int, noise: float, seed: int) -> float:
@@ -287,6 +278,11 @@ def _trace(way: Setting) -> NDArray[np.float64]:
 
 def _one_step(way: Setting, groups: Groups, seed: int) -> float:
     return fit(way, groups, seed=seed).nmse
+
+
+def _whole_run(seed: int) -> tuple[float, float]:
+    errors = errors_of(WAYS["cubic"], Groups(), [seed])
+    return float(errors["z"][0]), float(errors["way of the foot"][0])
 
 
 def _of_body(seed: int) -> tuple[float, ...]:

@@ -5,7 +5,7 @@ acceleration, and with it z'', jumps when the foot breaks loose or stops: no pol
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Literal
 
@@ -24,7 +24,7 @@ from ..identification.regression import payload_law
 with optional_import():
     import pysindy
 
-__all__ = ["METHODS", "TARGETS", "Fit", "Setting", "accelerations", "fit", "foretold", "library", "nmse"]
+__all__ = ["METHODS", "TARGETS", "Fit", "Setting", "accelerations", "errors_of", "fit", "foretold", "library", "nmse"]
 
 _Array = NDArray[np.float64]
 
@@ -221,6 +221,33 @@ def foretold(
         found.append((z, x))
     deformation, foot = np.array(found).transpose(1, 2, 0)
     return deformation, foot
+
+
+def errors_of(way: Setting, groups: Groups, seeds: Sequence[int], *, holds: int = 200) -> dict[str, _Array]:
+    """NMSE of what one way of regressing tells of runs that it has not seen, (seeds,) each.
+
+    Parameters
+    ----------
+    way : Setting
+        Whose target does not matter.
+    groups : Groups
+    seeds : sequence of int
+    holds : int
+        Of whole runs.
+
+    Returns
+    -------
+    dict of str to (seeds,) array
+        Of one step, by the target; of whole runs from rest ``"z"`` and ``"way of the foot"``.
+    """
+    fits = {target: [fit(replace(way, target=target), groups, seed=seed) for seed in seeds] for target in TARGETS}
+    unseen = np.array([random_bits(holds, [seed, 2]) for seed in seeds])
+    told = foretold(fits["deformation"], fits["foot"], unseen, groups.deborah)
+    true = simulate([groups] * len(seeds), unseen, 1.0, samples_per_hold=round(1.0 / way.step))
+    errors: dict[str, _Array] = {name: np.array([each.nmse for each in found]) for name, found in fits.items()}
+    for name, runs, exact in zip(("z", "way of the foot"), told, (true.deformation, true.foot), strict=True):
+        errors[name] = np.array([nmse(*pair) for pair in zip(runs, exact, strict=True)])
+    return errors
 
 
 def _terms(setting: Setting, origins: Any, states: _Array, valve: _Array, deborah: float) -> _Array:

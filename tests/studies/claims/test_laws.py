@@ -12,7 +12,7 @@ from stickslip.studies.claims import laws, sindy_figures
 from stickslip.studies.claims.asked import Asked
 from stickslip.studies.claims.laws import Laws
 from stickslip.studies.claims.laws_figure import plot_laws
-from stickslip.studies.claims.sindy import accelerations, fit, foretold, Setting
+from stickslip.studies.claims.sindy import accelerations, errors_of, fit, foretold, Setting
 from stickslip.tasks import random_bits
 
 
@@ -64,9 +64,11 @@ def test_a_law_that_is_a_polynomial_foretells_whole_runs():
 
 
 def test_cubics_do_not_foretell_whole_runs():
-    z, foot = laws.whole_run(Setting(), 0, holds=40)
-    assert 1e-2 < z < 1.0
-    assert foot > 1e-2
+    errors = errors_of(Setting(), Groups(), [0, 1], holds=40)
+    assert errors["payload"].max() < 1e-20
+    assert errors["foot"][1] == fit(Setting("foot"), Groups(), seed=1).nmse
+    assert 1e-2 < errors["z"].min() < errors["z"].max() < 1.0
+    assert errors["way of the foot"].min() > 1e-2
 
 
 def test_an_interrupted_measurement_goes_on_with_what_it_has_not(tmp_path, monkeypatch):
@@ -82,7 +84,7 @@ def test_an_interrupted_measurement_goes_on_with_what_it_has_not(tmp_path, monke
     monkeypatch.setattr(laws, "_one_step", one_step)
     monkeypatch.setattr(laws, "fit", lambda *_, **__: SimpleNamespace(terms={}, told=np.zeros(400), true=np.zeros(400)))
     monkeypatch.setattr(laws, "rollout_error", interrupted)
-    for name, value in {"_share_of_sliding": 0.3, "_group_error": 1e-3, "whole_run": (0.1, 0.2)}.items():
+    for name, value in {"_share_of_sliding": 0.3, "_group_error": 1e-3, "_whole_run": (0.1, 0.2)}.items():
         monkeypatch.setattr(laws, name, lambda *_, value=value: value)
     monkeypatch.setattr(laws, "_of_body", lambda seed: (0.1, 0.2, 0.3, seed))
     told = []
