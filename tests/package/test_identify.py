@@ -44,10 +44,13 @@ def test_groups_are_found_printed_and_written(capsys, tmp_path, natural):
     assert run(["identify", *natural, *options, "--output", str(tmp_path / "one")]) == 0
     told = capsys.readouterr().out
     assert told.count("25 holds of 1 natural units of time, 250 samples of deformation, foot") == 2
+    assert told.count("; --hold says it exactly") == 2
     assert "From 1000 numbers" in told
     written = json.loads((tmp_path / "one" / "identification.json").read_text("utf-8"))
     assert written["units"] == "natural"
     assert (written["level"], written["samples"], written["holds"]) == (0.9, 1000, [1.0, 1.0])
+    for low, high in written["hold_bounds"]:
+        assert 0.9 < low <= 1.0 <= high < 1.1
     assert written["logs"] == natural
     assert list(written["free"]) == ["duffing", "deborah"]
     for name, value in TRUTH.items():
