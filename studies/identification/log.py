@@ -32,6 +32,7 @@ _DIGITS = 10  # that a round number may have
 _CHANCE = 0.1  # that an interval has a round number in it which nobody set
 _ROUNDING = 1e-12  # relative, of numbers
 _ROUNDED = 0.75  # of the last digit of times: as far off are those that are rounded to it
+_FINE = 0.2  # of the way between two rows, above which a missing row would look like rounding
 _FEW = 10  # rows that do not tell whether they are equally spaced
 _COARSE = 0.25  # of a hold, between rows: of wider gaps no hold is found
 _SAME_TIME = 1e-6  # of a hold, or of the way between two samples
@@ -276,7 +277,7 @@ def _evened(times: NDArray[np.float64], unit: float) -> NDArray[np.float64]:
     since = step * rows
     for even in (since + round(begin / step) * step, since + begin):
         off = np.max(np.abs(times - even))
-        if _SAME_TIME * step < off <= _ROUNDED * unit:
+        if _SAME_TIME * step < off <= _ROUNDED * unit <= _FINE * step:
             return np.maximum(even, 0.0)
     return times
 

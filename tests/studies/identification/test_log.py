@@ -123,6 +123,13 @@ def test_times_that_were_rounded_are_read_as_the_equally_spaced_ones_that_they_w
     assert read.run.samples_per_hold == 8
 
 
+def test_rows_that_are_missing_are_no_rounding(tmp_path):
+    times = [1, 2, 3, 5, 6, 8, 9, 10, 12, 13]
+    lines = [f"{t},1,0.1" for t in times]
+    run = read_log(written(tmp_path, "time,valve,foot\n" + "\n".join(lines)), 13.0).run
+    np.testing.assert_array_equal(run.times, times)
+
+
 def test_of_a_hold_that_is_not_round_the_middle_of_its_bounds_is_taken(tmp_path):
     true = 0.0317459
     times = (np.arange(1, 400) + np.random.default_rng(0).uniform(-0.3, 0.3, 399)) * true / 10
