@@ -1,4 +1,4 @@
-"""How well bodies are found again: 200 synthetic experiments, and an unseen gait foretold by four ways of learning.
+"""How well bodies are found again in 200 experiments, an unseen gait foretold by four ways of learning, and SINDy.
 
 Run ``python benchmarks/identification.py``; ``--experiments N`` for fewer. Every experiment is kept in
 ``benchmarks/results/identification.json`` as it ends, and a run that was stopped goes on where it stopped. At the end
@@ -24,7 +24,9 @@ from sklearn.preprocessing import StandardScaler
 
 from stickslip import Groups, identify, simulate, Trajectory
 from stickslip.studies.benchmark.report import as_markdown
-from stickslip.studies.claims.sindy import fit, library, nmse, Setting
+from stickslip.studies.claims.claim import interval
+from stickslip.studies.claims.laws import WAYS
+from stickslip.studies.claims.sindy import errors_of, fit, foretold, nmse, Setting, TARGETS
 from stickslip.studies.identification import Identification, Measurements, regress
 from stickslip.tasks import random_bits
 
@@ -35,6 +37,7 @@ PAGE = BENCHMARKS.parent / "docs" / "identification.md"
 HOLDS, HOLD, SAMPLES, NOISE = 200, 1.0, 8, 0.01
 CHANNELS = ("deformation", "foot")
 SPREAD, WRONG = 2.0, 3.0  # factors of the truth about the defaults, and of the guess about the truth
+SEEDS = 8  # of SINDy
 FINE = 50  # samples a hold from which laws are regressed
 GAIT = (1, 1, 1, 0, 0, 1, 0, 0) * 25
 
@@ -96,7 +99,7 @@ def coverage_table(experiments: list[dict[str, Any]]) -> str:
     return as_markdown(rows)
 
 
-def foretold(seed: int) -> dict[str, float]:
+def gait_foretold(seed: int) -> dict[str, float]:
     """NMSE of z in a gait that was not seen, by what learned from the same noisy run of random bits."""
     true = Groups()
     motion = simulate(true, random_bits(HOLDS, [seed, 0]), HOLD, samples_per_hold=FINE)
@@ -108,35 +111,11 @@ def foretold(seed: int) -> dict[str, float]:
         name: nmse(simulate(body, GAIT, HOLD, samples_per_hold=FINE).deformation, gait.deformation)
         for name, body in bodies.items()
     }
-    errors["cubic by SINDy, integrated"] = nmse(_integrated(seed, true, gait), gait.deformation)
+    z, foot = (fit(Setting(target, noise=NOISE), true, seed=seed) for target in ("deformation", "foot"))
+    integrated, _ = foretold([z], [foot], [GAIT], true.deborah, HOLD)
+    errors["cubic by SINDy, integrated"] = nmse(integrated[0], gait.deformation)
     errors["network (64, 64), iterated"] = nmse(_iterated(run, gait, seed), gait.deformation)
     return errors
-
-
-def _integrated(seed: int, groups: Groups, gait: Trajectory) -> np.ndarray:
-    """Z of a polynomial z'' by the classical Runge-Kutta method, the pressure given; kept within ten z_c."""
-    setting = Setting("deformation", noise=NOISE)
-    terms = fit(setting, groups, seed=seed).terms
-    names, powers = library(setting)
-    coefficients = np.array([terms.get(name, 0.0) for name in names])
-    step = HOLD / FINE
-
-    def rate(state: np.ndarray, pressure: float) -> np.ndarray:
-        z, v = state
-        return np.array([v, coefficients @ np.prod(np.array([z, v, pressure]) ** powers, axis=1)])
-
-    pressures = np.concatenate([[0.0], gait.pressure])
-    valves = np.repeat(gait.valve, FINE)
-    middles = valves + (pressures[:-1] - valves) * np.exp(-0.5 * step / groups.deborah)
-    state, found = np.zeros(2), []
-    for before, middle, after in zip(pressures[:-1], middles, pressures[1:], strict=True):
-        k1 = rate(state, before)
-        k2 = rate(state + 0.5 * step * k1, middle)
-        k3 = rate(state + 0.5 * step * k2, middle)
-        k4 = rate(state + step * k3, after)
-        state = np.clip(state + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4), -10.0, 10.0)
-        found.append(state[0])
-    return np.array(found)
 
 
 def _iterated(run: Measurements, gait: Trajectory, seed: int) -> np.ndarray:
@@ -155,12 +134,26 @@ def _iterated(run: Measurements, gait: Trajectory, seed: int) -> np.ndarray:
     return np.array(found)
 
 
-def foretold_table(found: list[dict[str, float]]) -> str:
+def gaits_table(found: list[dict[str, float]]) -> str:
     """A row a way of learning."""
     rows = [["learned by", "NMSE of z over 200 holds of an unseen gait: median", "least", "most"]]
     for name in found[0]:
         values = [each[name] for each in found]
         rows.append([name, *(f"{value:.1e}" for value in (np.median(values), min(values), max(values)))])
+    return as_markdown(rows)
+
+
+def regressed(way: str) -> dict[str, list[float]]:
+    """NMSE of what one way of SINDy tells of runs that it has not seen, by seeds."""
+    return {name: errors.tolist() for name, errors in errors_of(WAYS[way], Groups(), range(SEEDS)).items()}
+
+
+def regressed_table(found: dict[str, dict[str, list[float]]]) -> str:
+    """A row a way, means over seeds with 95% intervals."""
+    rows = [["way", "one step of X_p''", "one step of X_f''", "one step of z''", "z, whole runs", "foot, whole runs"]]
+    for name in WAYS:
+        errors = [found[name][key] for key in (*TARGETS, "z", "way of the foot")]
+        rows.append([name, *(str(interval(np.array(each), least=0.0)) for each in errors)])
     return as_markdown(rows)
 
 
@@ -170,15 +163,19 @@ def main() -> None:
     parser.add_argument("--experiments", type=int, default=200)
     parser.add_argument("--gaits", type=int, default=5)
     asked = parser.parse_args()
-    results: dict[str, Any] = {"experiments": {}, "gaits": {}}
+    results: dict[str, Any] = {"experiments": {}, "gaits": {}, "regressed": {}}
     if RESULTS.exists():
         results |= json.loads(RESULTS.read_text(encoding="utf-8"))
-    for kind, work, count in (("experiments", experiment, asked.experiments), ("gaits", foretold, asked.gaits)):
-        for seed in range(count):
-            if str(seed) not in results[kind]:
-                results[kind][str(seed)] = work(seed)
+    for kind, work, cells in (
+        ("experiments", experiment, range(asked.experiments)),
+        ("gaits", gait_foretold, range(asked.gaits)),
+        ("regressed", regressed, WAYS),
+    ):
+        for number, cell in enumerate(cells, 1):
+            if str(cell) not in results[kind]:
+                results[kind][str(cell)] = work(cell)
                 keep(RESULTS, results | {"machine": machine("scipy", "scikit-learn", "pysindy")})
-                print(f"{kind} {seed + 1} of {count}", flush=True)
+                print(f"{kind} {number} of {len(cells)}", flush=True)
     made = tables(results)
     refresh(PAGE, made)
     print("\n\n".join(made.values()))
@@ -196,7 +193,8 @@ def tables(results: dict[str, Any]) -> dict[str, str]:
         + f"\n\n{len(experiments)} experiments; a fit took {middle:.2f} s of one processor in the median, "
         f"{low:.2f} to {high:.2f} in nine of ten. In {len(experiments) - len(plain)} of them a warning said that the "
         f"static friction may be next to the kinetic one; of the others it was within 2% in {close} of {len(plain)}.",
-        "gaits": foretold_table(list(results["gaits"].values())),
+        "gaits": gaits_table(list(results["gaits"].values())),
+        "regressed": regressed_table(results["regressed"]),
     }
 
 
