@@ -1,19 +1,24 @@
 # `make demo` and `make test` set up all they need in .venv the first time, and nothing after that.
 PYTHON ?= python3
-VENV := .venv
+# Another Python, as in `make test PYTHON=python3.13`, has an environment of its own.
+VENV := $(if $(filter python3,$(PYTHON)),.venv,build/$(notdir $(PYTHON)))
 BIN := $(VENV)/bin
 # Two cores: BLAS and torch must not fight the processes beside them.
 export OMP_NUM_THREADS ?= 1
 # Text read or written in whatever encoding the locale has is an error in the tests.
-test slow night peers: export PYTHONWARNDEFAULTENCODING ?= 1
+test quick slow night peers: export PYTHONWARNDEFAULTENCODING ?= 1
 
-.PHONY: demo test docs lint types layers package slow night peers explore browser mutation bench clean
+.PHONY: demo test quick docs lint types layers package slow night peers explore browser mutation bench clean
 
 demo: $(VENV)/ready
 	$(BIN)/stickslip demo
 
 test: lint types layers
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
+
+# Capacities, readouts, and a policy on the simulated body, with as few packages as these need: for other Pythons.
+quick: $(VENV)/quick-ready
+	$(BIN)/python -m pytest tests/reservoir tests/robot
 
 slow: $(VENV)/interop-ready $(VENV)/docs-ready $(VENV)/browser-ready peers
 	$(BIN)/python -m pytest -m slow
@@ -64,6 +69,11 @@ bench: $(VENV)/ready
 $(VENV)/ready: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	touch $@
+
+$(VENV)/quick-ready: pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[cli,plot]' hypothesis mpmath pytest
 	touch $@
 
 # The packages of docs/recipes.md; what cannot share this environment has one in $(VENV)/interop, made by its test.

@@ -11,6 +11,7 @@ from ..common.files import write_text
 __all__ = ["write_page"]
 
 _UNIT = re.compile(r"\b([zt])_c\b")
+_ARROW = re.compile(r" ([↑↓])")
 
 
 def write_page(file: Path, **content: Any) -> None:
@@ -28,8 +29,8 @@ def write_page(file: Path, **content: Any) -> None:
         from markupsafe import escape, Markup
 
     def units(text: object) -> Markup:
-        """Units as they are written: a subscript where plain text has `_`."""
-        return Markup(_UNIT.sub(r"\1<sub>c</sub>", str(escape(text))))
+        """Units as they are written: a subscript where plain text has `_`, and an arrow stays with its word."""
+        return Markup(_ARROW.sub(r"&nbsp;\1", _UNIT.sub(r"\1<sub>c</sub>", str(escape(text)))))
 
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters["units"] = units

@@ -143,7 +143,7 @@ def test_scores_are_those_of_five_seeds_and_stand_in_the_page(shown):
 
 def assert_shown(row, shown):
     """A row of a table stands in the page, and on the terminal."""
-    cells = re.findall(r"<tr>(.*?)</tr>", re.sub("<sub>c</sub>", "_c", shown.page))
+    cells = re.findall(r"<tr>(.*?)</tr>", re.sub("<sub>c</sub>", "_c", shown.page).replace("&nbsp;", " "))
     assert any(re.findall(r"<t[hd]>(.*?)</t[hd]>", each) == row for each in cells), row
     words = re.sub("[│┃ ]+", " ", shown.printed)
     assert " ".join(" ".join(row).split()) in words
@@ -151,7 +151,7 @@ def assert_shown(row, shown):
 
 def test_units_have_subscripts_in_tables_too(shown, tmp_path):
     assert not re.search(r"\b[zt]_c\b", shown.page)
-    rows = [["speed (z_c/t_c) & <more>"], ["1"]]
+    rows = [["speed (z_c/t_c) & <more> ↑"], ["1"]]
     profile, crawl = SimpleNamespace(corrected=1.0, bound=2), SimpleNamespace(foot=[1.0], time=[2.0], slips=3)
     content = dict.fromkeys(
         ("gain", "noiseless", "word", "dither", "weight", "hold", "judges", "holds", "elapsed"), 1.0
@@ -160,7 +160,7 @@ def test_units_have_subscripts_in_tables_too(shown, tmp_path):
     content |= {"tasks": rows, "trade": rows, "areas": rows, "profiles": {"crawler": profile}}
     write_page(tmp_path / "index.html", **content)
     page = (tmp_path / "index.html").read_text("utf-8")
-    assert page.count("<th>speed (z<sub>c</sub>/t<sub>c</sub>) &amp; &lt;more&gt;</th>") == 3
+    assert page.count("<th>speed (z<sub>c</sub>/t<sub>c</sub>) &amp; &lt;more&gt;&nbsp;↑</th>") == 3
 
 
 def test_the_trade_is_that_of_its_folder(shown, trade):
