@@ -31,6 +31,7 @@ class _Absent:
         return "absent"
 
 
+_READ = 200  # letters of a value that a refusal tells
 ABSENT = _Absent()
 
 
@@ -115,7 +116,15 @@ def refuse_other(purpose: str, kept: Any, asked: Any, *, growing: Collection[str
     found = differences(kept, asked, growing=growing)
     if found:
         told = [each for each in found if not _is_measured(each.name)] or found
-        raise ValueError("; ".join(f"{name} must be {was!r} {purpose}, got {now!r}" for name, was, now in told))
+        raise ValueError(
+            "; ".join(f"{name} must be {_short(was)} {purpose}, got {_short(now)}" for name, was, now in told)
+        )
+
+
+def _short(value: Any) -> str:
+    """A value in a line that can be read, such as thousands of numbers by the first and the last of them."""
+    text = repr(value)
+    return text if len(text) <= _READ else f"{text[: _READ // 2]} ... {text[-_READ // 2 :]}"
 
 
 def rounded(measured: float) -> float | str:

@@ -118,4 +118,9 @@ def frames_of(
                 past=Past(*(each[: k + 1] for each in past)),
             )
         )
+    if not frames:
+        raise ValueError(
+            f"start and stop must have a picture between them, of which there is one every "
+            f"{stride * trajectory.hold / samples:g}, got {start!r} and {stop!r}"
+        )
     return world, frames

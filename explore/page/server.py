@@ -52,7 +52,8 @@ def server_at(port: int, setup: Setup, workers: Executor, compilers: Executor) -
 
     def visited(document: Any) -> None:
         arguments = document.session_context.request.arguments
-        pairs = [(name, value.decode()) for name, values in arguments.items() for value in values]
+        # What is no UTF-8 is refused as what it then reads, since no name and no value has such letters.
+        pairs = [(name, value.decode(errors="replace")) for name, values in arguments.items() for value in values]
         seen, notice = setup, ""
         try:
             seen = setup_of_query(urlencode(pairs)) if pairs else setup

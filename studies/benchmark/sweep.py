@@ -11,6 +11,8 @@ __all__ = ["SWEPT", "parse_sweep", "with_amplitude", "with_value"]
 SWEPT = tuple(VARIED)
 """What can be swept: the hold, the amplitude of the pressure, every dimensionless group, and the slope."""
 
+_MOST = 100_000  # values of a range
+
 
 def with_value(body: BodyReservoir, name: str, value: float) -> BodyReservoir:
     """A body with one number changed.
@@ -76,8 +78,10 @@ def _spread(text: str, named: str, interval: str) -> list[float]:
         low, high, count = float(ends[0]), float(ends[1]), int(ends[2])
     except (ValueError, IndexError):
         low, high, count = 0.0, 0.0, 0
-    if len(ends) != 3 + log or count < 2:
-        raise ValueError(f"{named} must be low:high:count or low:high:count:log with a count >= 2, got {text!r}")
+    if len(ends) != 3 + log or not 2 <= count <= _MOST:
+        raise ValueError(
+            f"{named} must be low:high:count or low:high:count:log with a count in [2, {_MOST}], got {text!r}"
+        )
     for end in (low, high):
         number_within(named, end, interval)
     if not low < high:

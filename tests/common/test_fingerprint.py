@@ -85,6 +85,13 @@ def test_what_may_grow_is_compared_where_both_have_it():
     assert found == [Difference("tasks.a.score", 1.0, 1.5)]
 
 
+def test_a_refusal_can_be_read_however_much_differs():
+    numbers = list(range(100_000))
+    with pytest.raises(ValueError, match=r"^a must be 1 again, got \[0, 1, 2, .* \.\.\. .*, 99999\]$") as refused:
+        refuse_other("again", {"a": 1}, {"a": numbers})
+    assert len(str(refused.value)) < 300
+
+
 def test_a_refusal_names_every_difference():
     with pytest.raises(
         ValueError, match=r"^a must be 1 to go on with it, got 2; b must be absent to go on with it, got 'x'$"

@@ -296,6 +296,8 @@ def test_a_forged_link_is_told_of_in_a_sentence(opened):
     )
     assert page.locator("#notice img").count() == 0
     assert_drawn(page, Setup())
+    page = opened("?word=%ff")  # which is no UTF-8
+    assert page.inner_text("#notice").startswith("This link is not followed: word must be 1 to 32 letters 0 and 1")
 
 
 def test_switches_clamp_the_foot_and_take_its_ratchet(opened):

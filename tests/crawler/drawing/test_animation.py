@@ -83,6 +83,11 @@ def test_a_duty_cycle_shuts_the_valve_within_the_hold():
         ({"slow_motion": 3.0}, ValueError, "trajectory must have at least 23 samples a hold for slow_motion = 3.0"),
         ({"start": 5.0}, ValueError, "start must be in [0, 5.0), got 5.0"),
         ({"start": 1.0, "stop": 1.0}, ValueError, "stop must be in (1.0, inf), got 1.0"),
+        (
+            {"start": 1.0001, "stop": 1.0002},
+            ValueError,
+            "start and stop must have a picture between them, of which",
+        ),
     ],
     ids=str,
 )
