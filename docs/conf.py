@@ -18,6 +18,7 @@ extensions = [
     "numpydoc",
     "sphinx_copybutton",
     "mathml",
+    "subscripts",
     "public_names",
     "command_help",
 ]

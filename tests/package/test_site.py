@@ -54,6 +54,17 @@ def test_formulas_are_drawn(site):
     assert "<munderover>" not in page  # the index of an accented letter is beside it
 
 
+def test_symbols_have_subscripts_and_code_is_as_it_is_typed(site):
+    page = (site / "environment.html").read_text(encoding="utf-8")
+    assert "z<sub>c</sub> = P<sub>max</sub> A<sub>0</sub> / k<sub>1</sub>" in page
+    materials = (site / "materials.html").read_text(encoding="utf-8")
+    assert re.search(r"<h1>.* k<sub>1</sub>, k<sub>3</sub>, A<sub>0</sub>", materials)
+    for each in site.glob("*.html"):
+        text = each.read_text(encoding="utf-8").partition("<article")[2].partition("</article>")[0]
+        running = re.sub(r"<(pre|code|math|strong|dt)\b.*?</\1>", "", text, flags=re.DOTALL)
+        assert not re.search(r">[^<]*\b[zt]_c\b", running), each.name
+
+
 def test_the_environment_s_page_has_its_docstring():
     refreshed = runpy.run_path(str(ROOT / "docs" / "environment_page.py"))["refreshed"]
     page = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
