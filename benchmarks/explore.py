@@ -130,7 +130,7 @@ def _draw(browser: Any, address: str) -> None:
     """Picture the page with the foot in the middle of a slide."""
     page = _opened(browser, address)
     page.wait_for_function("!document.querySelector('.stale')")
-    page.wait_for_function("window.stickslip.seen.time > 9 && window.stickslip.seen.at.sliding")
+    page.wait_for_function("window.stickslip.seen.time > 9 && window.stickslip.seen.at.heading > 0")
     page.click("#play")
     page.mouse.move(0, 0)
     page.wait_for_timeout(500)
