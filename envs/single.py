@@ -3,7 +3,7 @@
 import operator
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from textwrap import indent
+from inspect import cleandoc
 from typing import Any, Literal
 
 import gymnasium as gym
@@ -528,5 +528,5 @@ class StickSlipCrawlerEnv(Specified, gym.Env[NDArray[np.float32], np.int64]):
 
 
 if StickSlipCrawlerEnv.__doc__:  # which Python leaves out where it is told to
-    _table = indent(table_of_infos(), " " * 4).strip()
-    StickSlipCrawlerEnv.__doc__ = StickSlipCrawlerEnv.__doc__.replace("{infos}", _table)
+    # Newer Pythons take away the indentation themselves.
+    StickSlipCrawlerEnv.__doc__ = cleandoc(StickSlipCrawlerEnv.__doc__).replace("{infos}", table_of_infos().strip())
