@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from .arithmetic import fma
 from .compilation import allocating, compiled
-from .tracing import fma
 
 __all__ = ["LARGEST_DEGREE", "first_downcrossing", "horner", "horner_derivative", "sharp_descent"]
 

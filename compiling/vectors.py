@@ -13,7 +13,7 @@ from numba import types
 from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
 from numpy.typing import NDArray
 
-from .tracing import repeated
+from .traced import repeated
 
 __all__ = ["LANES", "aligned_zeros", "broadcast", "clipped", "flush_to_zero", "load", "store"]
 

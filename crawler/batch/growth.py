@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiling.arithmetic import fma, Series, sum_of_products, where
 from ...compiling.compilation import compiled
-from ...compiling.tracing import fma, Series, sum_of_products, unrolled_in_lanes, where
+from ...compiling.tracing import unrolled_in_lanes
 from ...compiling.vectors import LANES
 from ..model.columns import body_of, coefficients_at
 from ..model.equations import mobility_of, stiffness_at

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ...compiling.tracing import fma, unrolled_in_lanes, where
+from ...compiling.arithmetic import fma, where
+from ...compiling.tracing import unrolled_in_lanes
 from ...compiling.vectors import LANES
 from ..model.equations import moved, pressure_after
 from ..model.state import Body, Coefficients, Ledger

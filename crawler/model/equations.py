@@ -1,7 +1,7 @@
-"""The equations of motion at an instant: over floats, and over any numbers of `stickslip.compiling.tracing`."""
+"""The equations of motion at an instant: over floats, and over any numbers of `stickslip.compiling.arithmetic`."""
 
+from ...compiling.arithmetic import exp, where
 from ...compiling.compilation import formula
-from ...compiling.tracing import exp, where
 from .state import Body, Coefficients, STUCK
 
 __all__ = [

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiling.arithmetic import exp, where
 from ...compiling.compilation import compiled, formula
-from ...compiling.tracing import exp, where
 from ..model.equations import mobility_of
 from ..model.state import Body, Coefficients, STUCK
 from ..steps.workspace import CHANGES

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiling.arithmetic import fma, sum_of_products, where
 from ...compiling.compilation import formula
-from ...compiling.tracing import fma, sum_of_products, unrolled, where
+from ...compiling.tracing import unrolled
 from ..model.equations import acceleration_at_no_force, mobility_of, retardation
 from ..model.state import Body, Coefficients, STUCK
 from .workspace import FORCE, P, STEP, V, WORK, Z

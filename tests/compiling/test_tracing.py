@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from numba import njit
 from numba.core.errors import TypingError
 
-from stickslip.compiling.tracing import exp, fma, sum_of_products, unrolled, unrolled_in_lanes, where
+from stickslip.compiling.arithmetic import exp, fma, sum_of_products, where
+from stickslip.compiling.tracing import unrolled, unrolled_in_lanes
 
 numbers = st.floats(-1e3, 1e3)
 

@@ -9,8 +9,8 @@ from numbers import Real
 import numpy as np
 import pytest
 
-from stickslip.compiling.tracing import fma
-from stickslip.compiling.tracing import Series as TracedSeries
+from stickslip.compiling.arithmetic import fma
+from stickslip.compiling.arithmetic import Series as TracedSeries
 from stickslip.crawler.closed_form import search
 from stickslip.crawler.model.equations import (
     acceleration_at_no_force,
