@@ -160,23 +160,33 @@ def test_extremes(groups):
         batch.advance([(i + k) % 2 for i in range(LANES)], 0.5, taylor(1e-9))
 
 
-def test_radau_and_the_closed_form_take_the_same_call():
-    linear = Groups(duffing=0.0, radial_coupling=0.0)
-    for solver, groups in (SOLVERS["radau"], Groups()), (SOLVERS["closed_form"], linear):
-        options = solver.options(1e-6)
-        batch = Guarded([(groups, Scene())] * 3)
-        batch.workspace = solver.workspace(batch.members[0], 0.5, SAMPLES)
-        single = np.zeros(7)
-        for valve in (1, 1, 0):
-            crawlers, some = batch.crawlers(np.full(3, valve, np.int8)), Share(0, 2, batch.skip)
-            in_lanes(crawlers, some, 0.5, options, batch.workspace[None])
-            own = np.empty((5, SAMPLES))
-            start = Body(*single[:5].tolist(), int(single[5]), int(single[6]))
-            outcome = alone(start, batch.members[0], float(valve), 0.5, options, own, batch.workspace)
-            single = np.array(outcome.body)
-            for i in range(2):
-                np.testing.assert_array_equal(batch.bodies[:, i], single)
-                np.testing.assert_array_equal(batch.samples[..., i], own[:3])
-        batch.check()
-        assert batch.statuses.tolist() == [FINISHED, FINISHED, -1]
-        assert not batch.bodies[:, 2].any()
+LINEAR = Groups(duffing=0.0, radial_coupling=0.0)
+
+
+@pytest.mark.parametrize(
+    ("solver", "groups", "scene", "count"),
+    [
+        ("radau", Groups(), Scene(), 2),
+        ("closed_form", LINEAR, Scene(), 2),
+        ("closed_form", LINEAR, Scene(anchored=True), LANES),  # by one affine map for all
+    ],
+)
+def test_radau_and_the_closed_form_take_the_same_call(solver, groups, scene, count):
+    solver = SOLVERS[solver]
+    options = solver.options(1e-6)
+    batch = Guarded([(groups, scene)] * (count + 1))
+    batch.workspace = solver.workspace(batch.members[0], 0.5, SAMPLES)
+    single = np.zeros(7)
+    for valve in (1, 1, 0):
+        crawlers, some = batch.crawlers(np.full(count + 1, valve, np.int8)), Share(0, count, batch.skip)
+        in_lanes(crawlers, some, 0.5, options, batch.workspace[None])
+        own = np.empty((5, SAMPLES))
+        start = Body(*single[:5].tolist(), int(single[5]), int(single[6]))
+        outcome = alone(start, batch.members[0], float(valve), 0.5, options, own, batch.workspace)
+        single = np.array(outcome.body)
+        for i in range(count):
+            np.testing.assert_array_equal(batch.bodies[:, i], single)
+            np.testing.assert_array_equal(batch.samples[..., i], own[:3])
+    batch.check()
+    assert batch.statuses.tolist() == [FINISHED] * count + [-1]
+    assert not batch.bodies[:, count].any()

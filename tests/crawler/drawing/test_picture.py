@@ -12,7 +12,7 @@ from stickslip.crawler.drawing.frame import Frame, Message, Past, static_stretch
 from stickslip.crawler.drawing.layout import FOOT_AT, GROUND, HEIGHT, LOWER, PIVOT, WIDTH
 from stickslip.crawler.drawing.palette import AIR, GREY, INK, MESSAGE, PAPER, SLIDING, STICKING
 from stickslip.crawler.drawing.primitives import Disc, Line, Polygon, rounded, Text, turned_point
-from stickslip.crawler.drawing.side_view import ruler_step
+from stickslip.crawler.drawing.side_view import AXIS, ruler_step
 
 WORLD = world_of(Scene(), 1.0)
 RESTING = Frame(3.0, (0.4,), 0.5, 2.0, 0.0, 0, camera=2.0)
@@ -140,6 +140,9 @@ def test_an_anchored_body_is_clamped_to_a_wall():
         assert right < FOOT_AT
         assert bottom - top > 100
         assert bottom <= GROUND
+        bolts = [box_of([each]) for each in shapes(frame, world, colour=INK, kind=Polygon)]
+        low, high = sorted((top, bottom) for left, top, right, bottom in bolts if bottom - top == pytest.approx(10))
+        assert low[0] + high[1] == pytest.approx(2 * AXIS)  # as far above the body's axis as below it
 
 
 @pytest.mark.parametrize(("slope", "angle"), [(0.05, 0.05), (-0.1, -0.1), (3.0, math.radians(7))])

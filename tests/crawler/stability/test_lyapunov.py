@@ -274,6 +274,15 @@ def test_what_is_no_start_is_refused(initial):
         lyapunov_spectrum(Groups(), BITS[0], 0.5, initial=initial)
 
 
+def test_defaults_are_those_of_the_page():
+    word = [1, 0, 0, 1] * 60
+    plain = lyapunov_spectrum({}, word, 1.0)
+    written = lyapunov_spectrum(Groups(), word, 1.0, scene=Scene(), tolerance=1e-9, solver="auto", washout=200)
+    np.testing.assert_array_equal(plain.exponents, written.exponents)
+    for other in ({"tolerance": 1.001e-9}, {"washout": 199}):
+        assert not np.array_equal(lyapunov_spectrum({}, word, 1.0, **other).exponents, plain.exponents)
+
+
 def test_an_index_is_of_several():
     with pytest.raises(TypeError, match="an index is of one crawler of several, got one alone"):
         lyapunov_spectrum(Groups(), BITS[0, :60], 0.5, washout=10)[0]
