@@ -149,7 +149,7 @@ def _flow(state: NDArray[np.float64], time: float) -> None:
 @allocating
 def _take(state: NDArray[np.float64], h: float, steps: int) -> None:
     """Take steps of length h: Taylor coefficients by Cauchy's rule, summed by Horner's."""
-    x, y, z = np.empty(_ORDER + 1), np.empty(_ORDER + 1), np.empty(_ORDER + 1)
+    x, y, z = np.empty((3, _ORDER + 1))
     for _ in range(steps):
         x[0], y[0], z[0] = state
         for n in range(_ORDER):

@@ -246,6 +246,17 @@ def test_imports_are_followed_within_the_package_wherever_they_stand(tmp_path, m
     assert sources_of("json") != sources_of(module.__name__)
 
 
+def test_a_module_in_no_package_may_show_how_others_import(tmp_path, monkeypatch, kept):
+    name = f"alone{next(NAMES)}"
+    words = '"""Like so:\n\nfrom .neighbour import number\nfrom json import loads\n"""\n'
+    text = f"{words}def double(x):\n    return 2.0 * x\n"
+    (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    module = importlib.import_module(name)
+    assert sources_of(name)
+    assert [hits(module.double, 1.0) for _ in range(2)] == [(2.0, 0), (2.0, 1)]
+
+
 def test_a_kernel_whose_sources_cannot_be_read_is_kept_nowhere(kept):
     space = {"__name__": "nowhere_to_be_found"}
     sys.modules["nowhere_to_be_found"] = type(sys)("nowhere_to_be_found")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip.crawler import Groups, Scene, simulate
+from stickslip.crawler import Actuator, Groups, Scene, simulate
 from stickslip.reservoir import EchoStateNetwork
 from stickslip.tasks import (
     body_states,
@@ -103,6 +103,13 @@ def test_a_body_of_other_numbers():
     assert body.varied({"amplitude": 2.0}).groups.duffing == 4.0
     with pytest.raises(ValueError, match="numbers has no 'wheels'"):
         body.varied({"wheels": 4})
+
+
+def test_a_hold_in_seconds_is_that_of_the_actuator():
+    actuator = Actuator.ecoflex()
+    body = BodyReservoir(actuator, hold="20 ms")
+    assert body.hold == pytest.approx(0.02 / actuator.scales.time, rel=1e-12)
+    assert body == BodyReservoir(actuator, hold=body.hold)
 
 
 CRAWLER_CHANGES = [change for change in CHANGES if set(change) <= {"groups", "scene", "hold", "tolerance"}]

@@ -58,6 +58,16 @@ def test_a_remembered_call_is_not_made_again(simulated):
         assert each.features == each.reservoir.features
 
 
+def test_what_a_tuned_reservoir_chooses_among_remembers_too():
+    class Tuned(DelayLine):
+        candidates = (DelayLine(2), DelayLine(3))
+
+    tuned = Remembering(Tuned(4))
+    assert [each.reservoir for each in tuned.candidates] == list(Tuned.candidates)
+    for each in tuned.candidates:
+        assert each(SERIES[0], 0) is each(SERIES[0], 0)
+
+
 def test_where_one_fails_the_call_itself_tells(simulated):
     runaway = BodyReservoir({"duffing": 0.0, "radial_coupling": 40.0}, encoding="threshold", hold=5.0)
     ones = np.ones(9)

@@ -220,6 +220,16 @@ def test_settled_rows_are_those_that_every_start_leads_to():
     assert np.argmax(reservoir.settled(series, tolerance=1e-4)) > first
     damped = CrawlerReservoir({"damping_ratio": 0.6}, input_range=(0, 1), washout=50).fit(SERIES)
     assert np.argmax(damped.settled(series)) < first
+    forgetful = CrawlerReservoir(
+        {"damping_ratio": 1.0},
+        scene={"anchored": True},
+        hold=200.0,
+        encoding="threshold",
+        readings="deformation",
+        input_range=(0, 1),
+        washout=5,
+    ).fit(SERIES)
+    assert forgetful.settled(series).all()
     with pytest.raises(ValueError, match=r"tolerance must be in \(0, 1\), got 0"):
         reservoir.settled(series, tolerance=0)
     with pytest.raises(ValueError, match="washout must be a whole number >= 1, got 0"):
