@@ -184,7 +184,7 @@ class Runner:
             seen, measured = look()
             read = clock.now() - start
             command = self._act(observer.observation)
-            valve = 1 - command if self._dither > 0.0 and flips.random() < self._dither else command
+            valve = 1 - command if flips.random() < self._dither else command
             decided = clock.now() - start
             self._turn(valve)
             turned = clock.now() - start

@@ -89,6 +89,12 @@ def test_a_slope_begins_with_what_there_is():
     assert slope.now == pytest.approx(2.0)
 
 
+@pytest.mark.parametrize(("window", "degree", "name"), [(1, 1, "window"), (4, 0, "degree"), (4, 4, "degree")])
+def test_a_slope_is_of_a_polynomial_that_its_samples_determine(window, degree, name):
+    with pytest.raises(ValueError, match=f"^{name} must be"):
+        Slope(window, degree)
+
+
 def test_a_slope_averages_noise():
     rng, errors = np.random.default_rng(1), {}
     for window in (2, 16):
@@ -186,6 +192,21 @@ def test_clocks_never_wake_early():
             assert clock.now() >= max(before, instant)
     with pytest.raises(ValueError, match="pace must be in"):
         RealClock(0)
+
+
+def test_a_clock_of_another_pace_sleeps_for_as_much_less(monkeypatch):
+    real, slept = [100.0], []
+
+    def sleep(seconds):
+        slept.append(seconds)
+        real[0] += seconds
+
+    monkeypatch.setattr("stickslip.robot.clock.time.monotonic", lambda: real[0])
+    monkeypatch.setattr("stickslip.robot.clock.time.sleep", sleep)
+    clock = RealClock(4.0)
+    clock.sleep_until(2.0)
+    assert slept == [0.5]
+    assert clock.now() == 2.0
 
 
 def test_a_plant_tells_what_it_has_sensors_for():
