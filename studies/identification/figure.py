@@ -65,7 +65,7 @@ def plot_fit(found: Identification, run: int) -> Figure:
             below.axhline(0.0, color="0.6", lw=0.6, zorder=0)
             below.plot(measured.times, values - curve, ".", ms=3, color=color)
             left = found.noise[name] * factor
-            below.set(ylabel="left", ylim=(-4.0 * left, 4.0 * left) if left > 0.0 else None)
+            below.set(ylabel=f"residual\n({unit})", ylim=(-4.0 * left, 4.0 * left) if left > 0.0 else None)
             if k == 0:
                 above.legend(loc="lower right", ncols=2, bbox_to_anchor=(1.0, 1.0))
         panels[-1, 0].set(xlabel=f"time ({'s' if si else '$t_c$'})", xlim=(0.0, measured.valve.size * measured.hold))
