@@ -67,11 +67,7 @@ def _by_joblib(work: Callable[[Job], Result], jobs: Sequence[Job], processes: in
         pre_dispatch="all",
         initializer=leave_to_parent,
     )
-    results = parallel(joblib.delayed(_numbered)(work, k, job) for k, job in enumerate(jobs))
-    try:
-        yield from results
-    finally:
-        results.close()
+    yield from parallel(joblib.delayed(_numbered)(work, k, job) for k, job in enumerate(jobs))
 
 
 def _numbered(work: Callable[[Job], Result], index: int, job: Job) -> tuple[int, Result]:

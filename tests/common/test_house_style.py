@@ -5,7 +5,7 @@ import pytest
 from matplotlib import pyplot as plt
 from PIL import Image
 
-from stickslip.common.figures import house_style, MARKERS, OKABE_ITO, PAGE_WIDTH, save_figure, SMALL
+from stickslip.common.figures import BODY, house_style, MARKERS, OKABE_ITO, OPEN, PAGE_WIDTH, save_figure, SLIDES, SMALL
 
 
 def test_the_colours_are_those_of_okabe_and_ito():
@@ -14,6 +14,13 @@ def test_the_colours_are_those_of_okabe_and_ito():
     table += [(230, 159, 0), (86, 180, 233), (240, 228, 66), (0, 0, 0)]
     assert [tuple(round(255 * part) for part in matplotlib.colors.to_rgb(color)) for color in OKABE_ITO] == table
     assert len(set(MARKERS)) == len(MARKERS) == len(OKABE_ITO)
+
+
+def test_an_open_valve_is_blue_as_in_the_pictures_and_a_body_is_not():
+    (red, _, blue), (warm, _, cold), (grey, *others) = (matplotlib.colors.to_rgb(each) for each in (OPEN, BODY, SLIDES))
+    assert red < blue
+    assert warm > cold
+    assert others == [grey, grey]
 
 
 def test_the_style_holds_within_its_block_only():
@@ -63,7 +70,9 @@ def test_a_figure_is_written_in_every_form_at_the_style_s_resolution_and_closed(
     with Image.open(tmp_path / "one.png") as picture:
         assert picture.info["dpi"] == pytest.approx((200, 200), rel=1e-3)
         assert 160 < picture.width < 400  # cut to what is drawn, of four inches
-    assert "<svg" in (tmp_path / "two.svg").read_text(encoding="utf-8")
+    drawn = (tmp_path / "two.svg").read_text(encoding="utf-8")
+    assert "<svg" in drawn
+    assert "<dc:date>" not in drawn
     assert not plt.fignum_exists(figure.number)
 
 
@@ -72,7 +81,7 @@ def test_a_figure_that_cannot_be_written_leaves_the_old_one(tmp_path, monkeypatc
     file.write_bytes(b"old")
     figure = plt.figure()
 
-    def fail(path):
+    def fail(path, metadata):
         path.write_bytes(b"half")
         raise OSError("full")
 

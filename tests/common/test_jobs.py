@@ -57,6 +57,7 @@ def test_one_process_is_this_one_and_does_no_more_than_is_asked_for():
     assert begun == [3]
     assert list(as_done(square, [3, 4])) == [(0, (9, os.getpid())), (1, (16, os.getpid()))]
     assert list(as_done(square, [], processes=2)) == []
+    assert list(as_done(square, [], dask="tcp://127.0.0.1:1")) == []  # nobody is asked to do nothing
 
 
 def test_several_processes_do_each_job_once_and_leave_interrupts_to_this_one():
