@@ -121,7 +121,7 @@ def effective_events(basis: Array, rows: Array) -> Array:
     products = ((centred @ basis) @ basis.T - np.vecdot(basis, basis) * centred) * centred
     squares = products**2
     fourth = np.vecdot(squares, squares)
-    return np.divide(squares.sum(axis=1) ** 2, fourth, out=np.zeros_like(fourth), where=fourth > 0)
+    return squares.sum(axis=1) ** 2 / np.where(fourth > 0, fourth, np.inf)
 
 
 def events_needed(functions: Array, significance: float) -> float:

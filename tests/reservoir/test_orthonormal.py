@@ -135,3 +135,8 @@ def test_an_offset_takes_a_direction_from_the_basis_as_it_does_from_the_rank(fea
         # The least singular value against the tolerance, both as badly as they may be, and twice for rounding.
         bound = share / (2 * rounding * np.sqrt(features))
         assert surely_full_rank(Whitening(np.diag(np.eye(features)[0]), 0.0), np.full(features, bound)) == sure
+
+
+@pytest.mark.parametrize("level", [0.0, 0.1, 1.0])
+def test_what_never_moves_spans_nothing(level):
+    assert orthonormal_basis(np.full((20, 3), level)).shape == (20, 0)

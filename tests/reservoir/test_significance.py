@@ -288,3 +288,8 @@ def test_what_is_explained_in_whole_is_beyond_chance_even_where_that_might_expla
     most = 2 * chance(q, rows, 1e-4).mean * stats.gamma(0.5).isf(1e-4)
     assert (most > 1).any()
     assert alone[most > 1].max() < 1
+
+
+def test_states_that_tell_nothing_rest_on_no_events():
+    rows = np.random.default_rng(0).normal(size=(2, 20))
+    assert effective_events(np.zeros((20, 0)), rows).tolist() == [0.0, 0.0]

@@ -59,6 +59,17 @@ def test_the_best_word_has_most_reward_of_all():
     assert found["best word"].word == words[np.argmax([runs.reward.mean() for runs in of_each])]
 
 
+def test_a_policy_of_plain_numbers_is_judged_by_them(tmp_path, monkeypatch):
+    def unpickled(*arguments, **options):
+        raise AssertionError("a zip was read")
+
+    monkeypatch.setattr("stickslip.train.training.read_pickle", unpickled)
+    hyperparameters = {"policy": "MlpPolicy", "n_envs": 2, "n_steps": 8, "batch_size": 16, "n_timesteps": 16}
+    configuration = Configuration("ppo", env_kwargs=TRADE, hyperparameters=hyperparameters)
+    train(configuration, tmp_path / "run", judging=BRIEF, or_still=False)
+    assert (tmp_path / "run" / verdict.REPORT).exists()
+
+
 def verdict_of(*rewards):
     """Of a policy with these rewards, where held open earns 2, 3 and 4."""
     terms = np.array([0.25, 0.5, 0.75]), np.array([1.0, 2.0, 3.0])
