@@ -5,6 +5,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from .sampling import IN_A_BROWSER
+
 __all__ = ["page", "wilson"]
 
 NOTICED = ("noticed", "hung")
@@ -19,7 +21,7 @@ run its line, as far as that can be seen. A fault is something that somebody cou
 number that is off, an argument forgotten or in the wrong place, a label swapped, a copy, refusal or store left out.
 Lines are drawn alike, and a fault of each. Faults that nobody could notice are declared, with the reason, in
 `benchmarks/mutating/equivalent.toml`, and do not count. The aim is 90% of the others in every folder, and 97% in
-`crawler/`.
+`crawler/`. What only a browser can judge, `{browser}`, is left out: its tests are slow ones.
 
 Tests were written for what survived, and so the score of the faults tried is that of the tests of now on faults that
 they partly were written for. *At first sight* counts each as it came out when it was first tried: it is a fair sample
@@ -53,7 +55,7 @@ def page(results: Mapping[str, Any]) -> str:
     faults = [fault for folder in folders.values() for fault in folder]
     survivors = [fault for fault in faults if fault["status"] == "survived"]
     parts = [
-        _WORDS.format(command=results["command"], seed=results["seed"]),
+        _WORDS.format(command=results["command"], seed=results["seed"], browser=IN_A_BROWSER),
         "## By folder",
         _by_folder(folders, results["revisions"]),
         "## By kind of fault",

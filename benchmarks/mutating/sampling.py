@@ -10,9 +10,10 @@ from pathlib import Path
 from .operators import Mutant, mutants
 from .source import same_code
 
-__all__ = ["changed_lines", "drawn", "files_of", "revision", "tracked"]
+__all__ = ["IN_A_BROWSER", "changed_lines", "drawn", "files_of", "revision", "tracked"]
 
 Place = tuple[str, Mutant]  # file, fault
+IN_A_BROWSER = "explore/page/"
 
 
 def tracked(root: Path, *folders: str) -> list[str]:
@@ -23,8 +24,8 @@ def tracked(root: Path, *folders: str) -> list[str]:
 
 
 def files_of(root: Path, folder: str) -> list[str]:
-    """The modules of a folder."""
-    return [file for file in tracked(root, folder) if file.endswith(".py")]
+    """The modules of a folder, but for those that only a browser can judge, whose tests are slow ones."""
+    return [file for file in tracked(root, folder) if file.endswith(".py") and not file.startswith(IN_A_BROWSER)]
 
 
 def revision(root: Path) -> str:
