@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import product
@@ -172,6 +173,11 @@ def lyapunov_spectrum(
         If an argument is out of its range or of the wrong type; the message names it.
     SolverError
         As `simulate`; the message names the row, and the input where there are several.
+
+    Warns
+    -----
+    UserWarning
+        If small changes fade within one step by more than floats can tell: an exponent is then nan.
     """
     batch, single, inputs = _rows(groups, valve, hold, scene)
     tolerance = number_within("tolerance", tolerance, TOLERANCES)
@@ -307,9 +313,11 @@ class _Runs:
     def _measured(self, i: int, grown: NDArray[np.float64], ended: Body) -> _Measured:
         """Of row i, from what `note_growth` noted at the ends of the blocks, and the body at the end."""
         hold = float(self._batch.holds[i])
+        with np.errstate(invalid="ignore"):  # of what has faded altogether: see `_spectrum`
+            logarithms = np.diff(np.hstack([np.zeros((2, 1)), grown[:2]])).T
         return _Measured(
             np.diff(self._ends) * hold,
-            np.diff(np.hstack([np.zeros((2, 1)), grown[:2]])).T,
+            logarithms,
             float(grown[2, -1]),
             int(grown[3, -1]),
             ended.mode != STUCK,
@@ -331,12 +339,18 @@ def _spectrum(runs: Sequence[_Measured], starts: int, groups: Groups) -> Lyapuno
     """Exponents of one crawler from its runs, those of one input from all starts together."""
     lengths, logarithms = (np.concatenate([getattr(run, name) for run in runs]) for name in ("lengths", "logarithms"))
     time = float(lengths.sum())
-    vector, area = logarithms.sum(axis=0) / time
-    exponents = np.array([vector, area - vector])
     with np.errstate(invalid="ignore"):
+        vector, area = logarithms.sum(axis=0) / time
+        exponents = np.array([vector, area - vector])
         rates = logarithms / lengths[:, np.newaxis]
         blocks = np.stack([rates[:, 0], rates[:, 1] - rates[:, 0]], axis=1)
         error = np.std(blocks, axis=0, ddof=1) / math.sqrt(len(blocks))
+    if not np.isfinite(exponents).all():
+        warnings.warn(
+            "small changes fade within one step by more than floats can tell: an exponent that is nan is negative and "
+            "too large to be found with these holds; shorter ones may do",
+            stacklevel=3,
+        )
     # Two that are equal may come in either order.
     order = np.argsort(-exponents, kind="stable")
     stops = sum(run.stops for run in runs)

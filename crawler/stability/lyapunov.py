@@ -53,8 +53,11 @@ def start_growth(coefficients: Coefficients, workspace: NDArray[np.float64]) -> 
     """Begin with a change of the direction that is there, and of no momentum; with any where there is none."""
     tangents = workspace[-CHANGES:]
     z, v = tangents[:2, VECTOR].tolist()
-    if not 0.0 < abs(z) + abs(v) < math.inf:
+    size = max(abs(z), abs(v))
+    if not 0.0 < size < math.inf:
         z = v = 1.0
+    elif size < _SHORT:  # not even whose square is above 0
+        z, v = z / size, v / size
     tangents[:] = 0.0
     tangents[:2, VECTOR] = np.array([z, v]) / math.sqrt(_square(coefficients, z, v))
     tangents[_ZV, AREA] = 1.0

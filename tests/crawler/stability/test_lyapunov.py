@@ -1,6 +1,7 @@
 """Lyapunov exponents against closed forms, finite differences in 50 digits, SciPy, and two motions under one input."""
 
 import math
+import warnings
 from decimal import Decimal
 
 import numpy as np
@@ -272,6 +273,28 @@ def test_bad_input_is_refused_in_a_sentence(arguments, message):
 def test_what_is_no_start_is_refused(initial):
     with pytest.raises(TypeError, match="initial must be a State"):
         lyapunov_spectrum(Groups(), BITS[0], 0.5, initial=initial)
+
+
+WORD_OF_EIGHT = [0, 0, 0, 1, 1, 1, 0, 1] * 3
+
+
+def test_a_direction_that_has_all_but_faded_is_a_direction():
+    """Fluid and foot of a billionth: the change that is left of the washout has no square above 0."""
+    groups = Groups(1e3, 1.0, 1e-9, 0.2, 1e-9, 0.3, 0.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        faded, fading = (
+            lyapunov_spectrum(groups, WORD_OF_EIGHT, hold, scene=Scene(slope=-0.1), washout=8) for hold in (10.0, 3.0)
+        )
+    np.testing.assert_allclose(faded.exponents, fading.exponents, rtol=0.05)
+
+
+def test_an_exponent_that_floats_cannot_tell_is_not_told_in_silence():
+    groups = Groups(1e3, 1e4, 1e4, 0.0, 1e-9, 0.0, 0.0)
+    with pytest.warns(UserWarning, match="fade within one step by more than floats can tell"):
+        found = lyapunov_spectrum(groups, [1, 0, 0, 0, 1, 0, 0, 0] * 3, 10.0, washout=8)
+    assert found.exponents[0] == pytest.approx(-5e-5, rel=1e-4)  # of an overdamped spring: 1 / 2 damping
+    assert np.isnan(found.exponents[1])
 
 
 def test_defaults_are_those_of_the_page():
