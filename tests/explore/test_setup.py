@@ -1,5 +1,7 @@
 """Setups: what a page may be asked for, and what moves with what."""
 
+from dataclasses import FrozenInstanceError
+
 import numpy as np
 import pytest
 
@@ -24,6 +26,11 @@ def test_every_truth_of_a_setup_has_a_switch_and_is_the_scene_s():
     assert Setup().scene == Scene()
     assert setup_of({"ratchet": False, "slope": 0.1}).scene == Scene(ratchet=False, slope=0.1)
     assert changed(Setup(), "anchored", True).scene == Scene(anchored=True)
+
+
+def test_a_setup_is_never_changed():
+    with pytest.raises(FrozenInstanceError):
+        Setup().hold = 2.0
 
 
 def test_what_is_without_effect_changes_nothing():

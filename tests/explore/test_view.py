@@ -9,6 +9,7 @@ from stickslip.explore.measures import exponents_of, long_run
 from stickslip.explore.motion import MOST_LIVE, shown
 from stickslip.explore.presets import preset
 from stickslip.explore.setup import Setup, setup_of
+from stickslip.explore.units import in_si
 from stickslip.explore.view import acted, told_of_exponents, told_of_long_run, told_of_motion, told_of_setup, View
 
 
@@ -49,6 +50,13 @@ def test_a_word_that_is_kept_is_the_last_bits_and_a_long_run_begins_anew():
 def test_other_actions_are_refused(action, message):
     with pytest.raises((TypeError, ValueError), match=f"^{message}"):
         acted(View(Setup()), action)
+
+
+def test_what_was_asked_for_is_told_in_both_units():
+    setup = Setup(hold=1.5)
+    told = told_of_setup(View(setup))
+    assert (told["setup"], told["si"]) == (setup.to_dict(), in_si(setup))
+    assert told["si"] != told["setup"]
 
 
 def test_what_is_told_is_what_was_found_and_fits_json():
