@@ -14,6 +14,7 @@ from stickslip.commands import run
 from stickslip.crawler import PRESETS, simulate
 from stickslip.studies.benchmark import run_benchmark
 from stickslip.studies.benchmark.sweep import parse_sweep
+from stickslip.studies.claims.claim import Claim, Number
 from stickslip.tasks import known_reservoirs, MEASURES, RESERVOIRS, SeriesTask, TASKS
 from stickslip.train.algorithms import ALGORITHMS
 from stickslip.train.run import Configuration
@@ -93,6 +94,18 @@ def test_all_that_is_known_by_name_is_listed(capsys):
         assert parse_sweep(f"{name}=0.1,0.2")[0] == name
     for name in listed["solvers"]:
         simulate("linear", [1], 1.0, solver=name)
+    assert {"duffing", "deborah", "slope", "hold"} <= set(listed["numbers of a map"])
+    assert {"speed", "memory", "lyapunov"} <= set(listed["measures of a map"])
+
+
+def test_what_the_real_body_does_is_told_of_the_claims_that_have_it(capsys, monkeypatch, tmp_path):
+    of_a_body = Claim("C1", "reproduced", "It crawls.", body={"way": Number(77.3, unit="mm")})
+    claims = [of_a_body, Claim("C9", "overturned", "It can.", remark="By far.")]
+    monkeypatch.setattr("stickslip.studies.claims.reproduce.reproduce", lambda *_, **__: claims)
+    assert run(["reproduce", "--output", str(tmp_path)]) == 0
+    first, body, second, *_ = capsys.readouterr().out.splitlines()
+    assert (first, second) == ("C1  reproduced: It crawls.", "C9  overturned: It can. By far.")
+    assert body == "    the real body: way 77.3 mm"
 
 
 def test_an_output_that_cannot_be_written_is_refused_in_one_line(capsys, tmp_path):
