@@ -53,7 +53,7 @@ def trade(
     from ..train.run import Configuration
 
     body = None if groups is None else groups_of(groups)
-    arguments: dict[str, Any] = {"hold": hold_of(hold, body)}
+    arguments: dict[str, Any] = {"hold": hold_of(hold, body, of_environment=True)}
     if body is not None:
         arguments["groups"] = body
     further = json_object("--env-kwargs", env_kwargs)

@@ -57,7 +57,11 @@ def train(
 
     said = said_in(context)
     body = None if groups is None else groups_of(groups)
-    arguments: dict[str, Any] = {"memory_weight": memory_weight, "dither": dither, "hold": hold_of(hold, body)}
+    arguments: dict[str, Any] = {
+        "memory_weight": memory_weight,
+        "dither": dither,
+        "hold": hold_of(hold, body, of_environment=True),
+    }
     if body is not None:
         arguments["groups"] = body
     further = json_object("--env-kwargs", env_kwargs)
