@@ -95,8 +95,8 @@ def groups_of(text: str, option: str = "--groups") -> "str | dict[str, Any] | Ac
     return _actuator_with(option, given) if in_si & set(given) else given
 
 
-def hold_of(text: str, groups: "GroupsLike | None", *, of_environment: bool = False) -> float:
-    """Natural time of a hold, which is a number or has a unit; an environment's is bounded.
+def hold_of(text: str, groups: "GroupsLike | None") -> float:
+    """Natural time of a hold, which is a number or has a unit.
 
     Raises
     ------
@@ -104,10 +104,8 @@ def hold_of(text: str, groups: "GroupsLike | None", *, of_environment: bool = Fa
         If it is neither, out of range, or in seconds of a body that is not in SI units.
     """
     from ..crawler.model.holds import natural_hold
-    from ..crawler.model.variations import HOLDS as ANY
-    from ..envs.settings import HOLDS
 
-    return natural_hold(number_or_text(text), groups, HOLDS if of_environment else ANY)
+    return natural_hold(number_or_text(text), groups)
 
 
 def number_or_text(text: str) -> float | str:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from ..common.extras import optional_import
 from ..common.sharing import processors
 from ..common.validation import whole_number
-from .options import groups_of, GroupsOption, hold_of, HoldOption, json_object
+from .options import groups_of, GroupsOption, HoldOption, json_object, number_or_text
 from .printing import print_table, progress, say
 
 with optional_import():
@@ -45,6 +45,8 @@ def trade(
     ] = None,
 ) -> None:
     """Make the front of speed against memory: open loop, the limit, and policies over weights, on fresh seeds."""
+    from ..crawler.model.holds import natural_hold
+    from ..envs.settings import HOLDS
     from ..studies.trade.front import fronts
     from ..studies.trade.plan import FULL, QUICK, Trade
     from ..studies.trade.report import areas, table, write_report
@@ -53,7 +55,7 @@ def trade(
     from ..train.run import Configuration
 
     body = None if groups is None else groups_of(groups)
-    arguments: dict[str, Any] = {"hold": hold_of(hold, body, of_environment=True)}
+    arguments: dict[str, Any] = {"hold": natural_hold(number_or_text(hold), body, HOLDS)}
     if body is not None:
         arguments["groups"] = body
     further = json_object("--env-kwargs", env_kwargs)

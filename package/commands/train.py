@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from ..common.extras import optional_import
 from ..common.validation import known_names, whole_number
 from ..train.algorithms import ALGORITHMS
-from .options import groups_of, GroupsOption, hold_of, HoldOption, json_object, said_in, TrustOption
+from .options import groups_of, GroupsOption, HoldOption, json_object, number_or_text, said_in, TrustOption
 from .printing import progress
 
 with optional_import():
@@ -49,6 +49,8 @@ def train(
     trust: TrustOption = False,
 ) -> None:
     """Train a policy, with evaluations, checkpoints and TensorBoard logs in the output folder."""
+    from ..crawler.model.holds import natural_hold
+    from ..envs.settings import HOLDS
     from ..train.evaluations import best_of, read_evaluations
     from ..train.hyperparameters import read_hyperparameters
     from ..train.run import Configuration, ENV_ARGUMENTS, Run
@@ -60,7 +62,7 @@ def train(
     arguments: dict[str, Any] = {
         "memory_weight": memory_weight,
         "dither": dither,
-        "hold": hold_of(hold, body, of_environment=True),
+        "hold": natural_hold(number_or_text(hold), body, HOLDS),
     }
     if body is not None:
         arguments["groups"] = body
